@@ -1,0 +1,97 @@
+# The helpers that every room uses to declare its library, tests and benchmarks.
+
+# Headers stand beside their sources; this link makes <arbox/room/file.h> true in the build tree.
+file(MAKE_DIRECTORY "${CMAKE_BINARY_DIR}/include")
+file(CREATE_LINK "${CMAKE_SOURCE_DIR}" "${CMAKE_BINARY_DIR}/include/arbox" SYMBOLIC)
+
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}:$ORIGIN")
+
+function(arbox_compile_options target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
+  if(ARBOX_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(ARBOX_SANITIZE)
+    target_compile_options(${target} PUBLIC -fsanitize=${ARBOX_SANITIZE} -fno-omit-frame-pointer)
+    target_link_options(${target} PUBLIC -fsanitize=${ARBOX_SANITIZE})
+  endif()
+endfunction()
+
+# arbox_library(room SOURCES ... [PUBLIC targets...] [PRIVATE targets...])
+# One room is one library: target arbox_<room>, alias arbox::<room>, install component <room>.
+function(arbox_library room)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  set(target arbox_${room})
+  add_library(${target} ${ARG_SOURCES})
+  add_library(arbox::${room} ALIAS ${target})
+  arbox_compile_options(${target})
+  target_include_directories(${target} PUBLIC
+    "$<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/include>"
+    "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
+  target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  set_target_properties(${target} PROPERTIES
+    EXPORT_NAME ${room} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
+  install(TARGETS ${target} EXPORT arbox-${room}
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${room}
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${room})
+  install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/"
+    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/arbox/${room}" COMPONENT ${room}
+    FILES_MATCHING PATTERN "*.h" PATTERN "internal" EXCLUDE)
+  install(EXPORT arbox-${room} NAMESPACE arbox:: FILE arbox-${room}-targets.cmake
+    DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/arbox" COMPONENT ${room})
+endfunction()
+
+# arbox_simd_sources(target file.cpp...)
+# Compiles each file three times, in namespaces scalar, avx2 and avx512 (macro ARBOX_SIMD).
+# Such a file includes no Eigen and calls no inline library function that another file might share:
+# the linker could keep the copy with the wider instructions and run it on a CPU that lacks them.
+function(arbox_simd_sources target)
+  foreach(source IN LISTS ARGN)
+    get_filename_component(name ${source} NAME_WE)
+    foreach(level scalar avx2 avx512)
+      set(copy "${CMAKE_CURRENT_BINARY_DIR}/${name}_${level}.cpp")
+      file(GENERATE OUTPUT ${copy}
+        CONTENT "#define ARBOX_SIMD ${level}\n#include \"${CMAKE_CURRENT_SOURCE_DIR}/${source}\"\n")
+      target_sources(${target} PRIVATE ${copy})
+      set(flags "")
+      if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+        if(level STREQUAL "avx2")
+          set(flags "-mavx2;-mfma")
+        elseif(level STREQUAL "avx512")
+          set(flags "-mavx512f;-mavx512dq;-mavx512bw;-mavx512vl;-mavx2;-mfma;-mprefer-vector-width=512")
+        endif()
+      endif()
+      set_source_files_properties(${copy} PROPERTIES COMPILE_OPTIONS "${flags}")
+    endforeach()
+  endforeach()
+endfunction()
+
+# arbox_test(room name SOURCES ... [LIBS ...]) builds one GoogleTest program, one ctest entry a case.
+function(arbox_test room name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LIBS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+  set(target ${room}_${name}_test)
+  add_executable(${target} ${ARG_SOURCES})
+  arbox_compile_options(${target})
+  target_include_directories(${target} PRIVATE "${CMAKE_SOURCE_DIR}/tests")
+  target_link_libraries(${target} PRIVATE arbox::${room} ${ARG_LIBS} GTest::gmock GTest::gtest_main)
+  gtest_discover_tests(${target} TEST_PREFIX "${room}." DISCOVERY_MODE PRE_TEST
+    PROPERTIES LABELS ${room} TIMEOUT ${ARG_TIMEOUT}
+    ENVIRONMENT "ARBOX_PROGRAM=${CMAKE_BINARY_DIR}/bin/arbox")
+endfunction()
+
+# arbox_benchmark(name SOURCES ... [LIBS ...]) builds one Google Benchmark program.
+function(arbox_benchmark name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS" ${ARGN})
+  add_executable(${name}_benchmark ${ARG_SOURCES})
+  arbox_compile_options(${name}_benchmark)
+  target_include_directories(${name}_benchmark PRIVATE "${CMAKE_SOURCE_DIR}/tests")
+  target_link_libraries(${name}_benchmark PRIVATE ${ARG_LIBS} benchmark::benchmark benchmark::benchmark_main)
+endfunction()

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "arbox/geometry/detection.h"
+#include "arbox/geometry/point_cloud_view.h"
+
+namespace arbox::detectors {
+
+/// What a caller wants beside class, score and most likely box.
+struct DetectionRequest {
+  /// Quantile boxes at these q in (0, 1).
+  std::vector<double> quantiles;
+  /// Calibrated confidence boxes at these p in (0, 1).
+  std::vector<double> confidences;
+  /// Detections below this score are left out.
+  double score = 0.0;
+  /// Keep the box samples in each detection.
+  bool samples = false;
+  std::uint64_t seed = 0;
+  /// 0 means default_threads().
+  int threads = 0;
+};
+
+struct DetectionResult {
+  /// Best score first.
+  std::vector<geometry::Detection> detections;
+  /// Points that were left out because a coordinate was not finite.
+  std::int64_t dropped_points = 0;
+  /// Candidate boxes that were left out because the network gave non-finite numbers.
+  std::int64_t dropped_boxes = 0;
+};
+
+/// Anything that turns a point cloud into detections. Coordinates: LiDAR frame (x forward, y left,
+/// z up), metres. A const detector may be used from several threads.
+class Detector {
+ public:
+  virtual ~Detector() = default;
+  /// An empty cloud, or one without objects, gives no detections. Throws InvalidArgument for
+  /// requests that are out of range or that this detector cannot answer.
+  virtual DetectionResult detect(const geometry::PointCloudView& cloud,
+                                 const DetectionRequest& request = {}) const = 0;
+};
+
+}  // namespace arbox::detectors

@@ -81,7 +81,10 @@ function(arbox_test room name)
   add_executable(${target} ${ARG_SOURCES})
   arbox_compile_options(${target})
   target_include_directories(${target} PRIVATE "${CMAKE_SOURCE_DIR}/tests")
-  target_link_libraries(${target} PRIVATE arbox::${room} ${ARG_LIBS} GTest::gmock GTest::gtest_main)
+  target_link_libraries(${target} PRIVATE ${ARG_LIBS} arbox_test_support GTest::gmock GTest::gtest_main)
+  if(TARGET arbox::${room})
+    target_link_libraries(${target} PRIVATE arbox::${room})
+  endif()
   gtest_discover_tests(${target} TEST_PREFIX "${room}." DISCOVERY_MODE PRE_TEST
     PROPERTIES LABELS ${room} TIMEOUT ${ARG_TIMEOUT}
     ENVIRONMENT "ARBOX_PROGRAM=${CMAKE_BINARY_DIR}/bin/arbox")

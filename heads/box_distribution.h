@@ -1,0 +1,59 @@
+#pragma once
+
+#include <ATen/core/Tensor.h>
+
+#include <cstdint>
+#include <memory>
+
+namespace arbox::heads {
+
+/// Random numbers of a batch of objects. An object's draws depend on (seed, its id, draw,
+/// component) alone, not on what else is in the batch.
+struct Streams {
+  std::uint64_t seed = 0;
+  at::Tensor object_ids;  ///< (N) int64.
+};
+
+/// K boxes for each of N objects.
+struct Draws {
+  at::Tensor boxes;        ///< (N, K, 10), metres, in the frame of the references.
+  at::Tensor log_density;  ///< (N, K) per unit component volume; undefined where Measure::kNone.
+  at::Tensor components;   ///< (N, K, D); undefined for heads outside of the codec's space.
+};
+
+/// Whether a head's likelihood is a density over components (bin mass divided by bin width, so that
+/// heads compare) or does not exist.
+enum class Measure { kNone, kDensity };
+
+/// The posteriors over boxes of N objects (paper, sections 3 and 4). Lazy: work happens when asked.
+/// Knows its codec and references and answers in boxes. Everything runs without gradient.
+class BoxDistribution {
+ public:
+  virtual ~BoxDistribution();
+
+  virtual std::int64_t size() const = 0;
+  virtual Measure measure() const = 0;
+
+  /// The most likely boxes by beam search (section 4.1), best first; K <= beam_width. Vectors that
+  /// decode to the same physical box may both appear.
+  virtual Draws mode(int beam_width) const = 0;
+
+  /// `count` independent draws of each object. Heads without a distribution repeat their one box.
+  virtual Draws sample(int count, const Streams& streams, double temperature = 1.0) const = 0;
+
+  /// (N, 10): mean of each component (circular where the component is), decoded.
+  virtual at::Tensor mean() const = 0;
+
+  /// boxes (N, 10) -> (N): log density, summed over the equivalent vectors of each physical box.
+  /// Throws NotAvailable where measure() is kNone.
+  virtual at::Tensor log_density(const at::Tensor& boxes) const = 0;
+
+  /// The objects of `index` (int64, (K)), for instance the survivors of suppression.
+  virtual std::unique_ptr<BoxDistribution> select(const at::Tensor& index) const = 0;
+
+  /// p(rest | size, h) with the size (N, 3) metres fixed, one permutation as given. Throws
+  /// NotAvailable if the codec's order does not put the size first.
+  virtual std::unique_ptr<BoxDistribution> given_sizes(const at::Tensor& sizes) const = 0;
+};
+
+}  // namespace arbox::heads

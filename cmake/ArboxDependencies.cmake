@@ -8,6 +8,7 @@ find_package(nlohmann_json 3.11 REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs)
+find_package(Freetype REQUIRED)
 find_package(PCL 1.13 REQUIRED COMPONENTS common io kdtree search segmentation filters)
 find_package(PkgConfig REQUIRED)
 # The package's own CMake file asks for tools that Debian ships apart.

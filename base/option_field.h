@@ -18,17 +18,18 @@ namespace arbox {
 ///     }
 ///
 /// that names each field once. Reading YAML, command-line flags, `arbox config`, documentation and
-/// validation are visitors over it. Fields may be bool, int, std::int64_t, std::uint64_t, double,
-/// std::string, std::optional of these, or std::vector of these; `group` takes a nested described
-/// struct.
+/// validation all come from it (base/options.h). Fields may be bool, int, std::int64_t,
+/// std::uint64_t, float, double, std::string, an enum class (its values 0, 1, ... in the order of
+/// `choices`), std::optional or std::vector of these except enums, or std::array of 2, 3, 4 or 6 of
+/// these; `group` takes a nested described struct.
 struct OptionField {
   std::string_view help;
   /// SI unit or a word such as "points"; empty for none.
   std::string_view unit = "";
-  /// Allowed range of a number (of every element of a list), both ends allowed.
+  /// Allowed range of a number (of every element of a list), both ends allowed. NaN never is.
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
-  /// Allowed words of a string; empty means any.
+  /// Allowed words of a string; empty means any. The names of an enum's values.
   std::vector<std::string_view> choices = {};
 };
 

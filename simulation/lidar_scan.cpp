@@ -1,0 +1,199 @@
+#include "arbox/simulation/lidar_scan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "arbox/base/random.h"
+
+namespace arbox::simulation {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr int kMostSurfaces = 8;
+
+enum Purpose : std::uint32_t { kSteps = 100, kPulse = 101 };
+
+/// Draws of one pulse, numbered so that adding one does not shift the others.
+enum Draw : std::uint32_t {
+  kRangeNoise,
+  kSignal,
+  kDropout,
+  kReflectivity,
+  kSpurious,
+  kSpuriousLength,
+  kIntensityNoise,
+  kSurface,  // and one for each further surface
+};
+
+struct Pulse {
+  Eigen::Vector3d origin, direction;  // scanner's frame
+  double azimuth;                     // [0, 2 pi)
+};
+
+Pulse pulse_of(const LidarBeam& beam, double encoder) {
+  const double theta = encoder + beam.azimuth_offset;
+  const double s = std::sin(theta), c = std::cos(theta);
+  const double xy = -beam.vertical_offset * std::sin(beam.elevation);
+  return {.origin = {xy * c - beam.horizontal_offset * s, xy * s + beam.horizontal_offset * c,
+                     beam.vertical_offset * std::cos(beam.elevation)},
+          .direction = {std::cos(beam.elevation) * c, std::cos(beam.elevation) * s,
+                        std::sin(beam.elevation)},
+          .azimuth = theta - kTurn * std::floor(theta / kTurn)};
+}
+
+Eigen::Isometry3d scanner_pose(const EgoMotion& ego, double seconds) {
+  const double angle = ego.yaw_rate * seconds;
+  const double distance = ego.speed * seconds;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  pose.translation() << distance * std::cos(0.5 * angle), distance * std::sin(0.5 * angle), 0.0;
+  return pose;
+}
+
+std::vector<double> encoder_angles(const LidarModel& model, std::uint64_t seed) {
+  const RandomStream random(seed, 0, kSteps);
+  std::vector<double> angles;
+  std::uint32_t draw = 0;
+  for (int tick = 0; tick < model.ticks;) {
+    angles.push_back(std::numbers::pi - kTurn * tick / model.ticks);
+    tick += random.uniform(draw++) < model.double_step_share ? 2 : 1;
+  }
+  return angles;
+}
+
+bool hidden(const LidarBeam& beam, double azimuth) {
+  return std::any_of(beam.hidden.begin(), beam.hidden.end(), [&](const auto& range) {
+    return azimuth >= range.first && azimuth < range.second;
+  });
+}
+
+double rounded(double value, double step) {
+  return step > 0.0 ? std::round(value / step) * step : value;
+}
+
+/// How much of the diffuse reflectivity is left at a cosine of incidence: nearly flat, as measured
+/// on walls.
+double incidence_gain(double cosine) { return std::min(1.0, 0.58 + 1.05 * cosine); }
+
+/// How reported intensity falls with range although the sensor adapts its power.
+double range_gain(double range) { return std::clamp(1.18 - 0.0125 * range, 0.3, 1.0); }
+
+double intensity_floor(double range) { return std::clamp(0.0045 * (range - 15.0), 0.0, 0.18); }
+
+/// Follows the pulse through transparent surfaces. False if nothing comes back.
+bool follow(const RayTracer& tracer, const LidarModel& model, const Eigen::Vector3d& origin,
+            const Eigen::Vector3d& direction, double time, const RandomStream& random, bool ideal,
+            Hit& hit) {
+  double nearest = model.nearest;
+  for (int surface = 0; surface < kMostSurfaces; ++surface) {
+    if (!tracer.trace(origin, direction, time, nearest, model.farthest, hit)) return false;
+    if (ideal) return true;
+    const MaterialProperties& material = properties(hit.material);
+    const double draw = random.uniform(kSurface + static_cast<std::uint32_t>(surface));
+    if (draw >= material.transmission) return draw >= material.transmission + material.loss;
+    nearest = hit.distance + 1e-3;
+  }
+  return false;
+}
+
+/// Reflectivity of this return, or a negative number if the return is lost.
+double received(const LidarModel& model, const LidarBeam& beam, const Hit& hit, double cosine,
+                const RandomStream& random) {
+  const MaterialProperties& material = properties(hit.material);
+  const double reflectivity = std::max(
+      0.004, (material.reflectivity + 0.35 * material.spread * random.normal(kReflectivity)) *
+                 hit.brightness);
+  const double range = hit.distance;
+  const double signal = reflectivity * std::max(cosine, 0.01) / (range * range);
+  const double kept = 1.0 / (1.0 + std::pow(model.half_signal / signal, model.signal_sharpness));
+  const double grazing = std::min(0.12, 0.003 / std::max(cosine, 0.02));
+  if (random.uniform(kSignal) > kept) return -1.0;
+  if (random.uniform(kDropout) < model.dropout + model.dropout_growth * range + grazing) {
+    return -1.0;
+  }
+  const double gain = beam.gain * (1.0 + 0.12 * random.normal(kIntensityNoise));
+  return std::max(0.0, reflectivity * gain * incidence_gain(cosine) * range_gain(range) -
+                           intensity_floor(range));
+}
+
+double measured_range(const LidarModel& model, const LidarBeam& beam, const Hit& hit, double cosine,
+                      double intensity, const RandomStream& random) {
+  double sigma = model.range_noise + model.range_noise_growth * hit.distance;
+  sigma *= 1.0 + 0.6 * (1.0 - std::min(1.0, intensity / 0.3)) + 0.5 * (1.0 - cosine);
+  double range = hit.distance + beam.range_bias + sigma * random.normal(kRangeNoise);
+  if (random.uniform(kSpurious) < model.spurious) {
+    range += 0.3 + 0.4 * hit.distance * random.uniform(kSpuriousLength);
+  }
+  return rounded(range, model.range_step);
+}
+
+}  // namespace
+
+std::vector<LidarReturn> scan(const Scene& scene, const RayTracer& tracer, const LidarModel& model,
+                              const LidarOptions& options) {
+  const std::vector<double> angles = encoder_angles(model, scene.seed);
+  std::vector<Eigen::Isometry3d> poses;
+  for (const double angle : angles) {
+    const double part = (std::numbers::pi - angle) / kTurn;
+    poses.push_back(scanner_pose(scene.ego, (part - 0.5) * model.duration));
+  }
+  std::vector<LidarReturn> result;
+  std::vector<std::pair<double, LidarReturn>> ring_returns;
+  for (std::size_t ring = 0; ring < model.beams.size(); ++ring) {
+    const LidarBeam& beam = model.beams[ring];
+    ring_returns.clear();
+    for (std::size_t firing = 0; firing < angles.size(); ++firing) {
+      if (std::abs(angles[firing]) > model.half_field_of_view) continue;
+      const Pulse pulse = pulse_of(beam, angles[firing]);
+      if (hidden(beam, pulse.azimuth)) continue;
+      const double part = (std::numbers::pi - angles[firing]) / kTurn;
+      const Eigen::Vector3d direction = poses[firing].linear() * pulse.direction;
+      const RandomStream random(scene.seed, ring << 16 | firing, kPulse);
+      Hit hit;
+      if (!follow(tracer, model, poses[firing] * pulse.origin, direction, part, random,
+                  options.ideal, hit)) {
+        continue;
+      }
+      const double cosine = std::abs(hit.normal.dot(direction));
+      double range = hit.distance, intensity = properties(hit.material).reflectivity;
+      if (!options.ideal) {
+        intensity = received(model, beam, hit, cosine, random);
+        if (intensity < 0.0) continue;
+        range = measured_range(model, beam, hit, cosine, intensity, random);
+        if (range < model.nearest || range >= model.farthest) continue;
+      }
+      Eigen::Vector3d point = pulse.origin + range * pulse.direction;
+      if (options.motion_compensated) point = poses[firing] * point;
+      if (!options.ideal) {
+        for (double& value : point) value = rounded(value, model.coordinate_step);
+        intensity = std::min(rounded(intensity, model.intensity_step), model.intensity_limit);
+      }
+      ring_returns.push_back({pulse.azimuth,
+                              {.x = static_cast<float>(point.x()),
+                               .y = static_cast<float>(point.y()),
+                               .z = static_cast<float>(point.z()),
+                               .intensity = static_cast<float>(intensity),
+                               .ring = static_cast<std::uint16_t>(ring),
+                               .firing = static_cast<std::uint16_t>(firing),
+                               .time = static_cast<float>(part * model.duration),
+                               .object = hit.object,
+                               .material = hit.material}});
+    }
+    std::stable_sort(ring_returns.begin(), ring_returns.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [azimuth, value] : ring_returns) result.push_back(value);
+  }
+  return result;
+}
+
+geometry::PointCloud to_cloud(const std::vector<LidarReturn>& returns) {
+  geometry::PointCloud cloud{.channels = {"intensity"}, .values = {}};
+  cloud.values.reserve(4 * returns.size());
+  for (const LidarReturn& point : returns) {
+    cloud.values.insert(cloud.values.end(), {point.x, point.y, point.z, point.intensity});
+  }
+  return cloud;
+}
+
+}  // namespace arbox::simulation

@@ -1,0 +1,44 @@
+#include "arbox/simulation/mesh.h"
+
+namespace arbox::simulation {
+
+const MaterialProperties& properties(Material material) {
+  static const std::array<MaterialProperties, kMaterialCount> table = {{
+      {.reflectivity = 0.27, .spread = 0.03},                                      // asphalt
+      {.reflectivity = 0.36, .spread = 0.05},                                      // concrete
+      {.reflectivity = 0.34, .spread = 0.06},                                      // grass
+      {.reflectivity = 0.33, .spread = 0.05},                                      // gravel
+      {.reflectivity = 0.34, .spread = 0.06},                                      // brick
+      {.reflectivity = 0.40, .spread = 0.08},                                      // plaster
+      {.reflectivity = 0.38, .spread = 0.08},                                      // wood
+      {.reflectivity = 0.30, .spread = 0.07},                                      // bark
+      {.reflectivity = 0.37, .spread = 0.10},                                      // foliage
+      {.reflectivity = 0.30, .spread = 0.15, .loss = 0.10},                        // metal
+      {.reflectivity = 0.28, .spread = 0.14, .loss = 0.05},                        // light paint
+      {.reflectivity = 0.04, .spread = 0.05, .loss = 0.12},                        // dark paint
+      {.reflectivity = 0.05, .spread = 0.05, .transmission = 0.45, .loss = 0.50},  // glass
+      {.reflectivity = 0.05, .spread = 0.03, .loss = 0.05},                        // rubber
+      {.reflectivity = 0.25, .spread = 0.12, .loss = 0.03},                        // plastic
+      {.reflectivity = 0.38, .spread = 0.12},                                      // cloth
+      {.reflectivity = 0.45, .spread = 0.05},                                      // skin
+      {.reflectivity = 0.95, .spread = 0.05},                                      // retroreflector
+  }};
+  return table[static_cast<std::size_t>(material)];
+}
+
+void TriangleMesh::append(const TriangleMesh& other, const Eigen::Isometry3f& pose) {
+  const auto first = static_cast<std::uint32_t>(vertices.size());
+  for (const Eigen::Vector3f& vertex : other.vertices) vertices.push_back(pose * vertex);
+  for (const auto& triangle : other.triangles) {
+    triangles.push_back({triangle[0] + first, triangle[1] + first, triangle[2] + first});
+  }
+  materials.insert(materials.end(), other.materials.begin(), other.materials.end());
+}
+
+Eigen::AlignedBox3f TriangleMesh::bounds() const {
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& vertex : vertices) box.extend(vertex);
+  return vertices.empty() ? Eigen::AlignedBox3f(Eigen::Vector3f::Zero().eval()) : box;
+}
+
+}  // namespace arbox::simulation

@@ -4,8 +4,12 @@
 
 /// \file
 /// The commands of the `arbox` program, one source file each. A command adds its subcommand with
-/// flags and examples; its callback does the work, prints results on standard output and lets
-/// exceptions out: main turns them into one line on standard error and an exit code (0 done,
-/// 1 failed, 2 wrong usage).
+/// flags and examples (cli/command_line.h); its callback does the work, prints results on standard
+/// output and lets exceptions out: run_program turns them into one line on standard error and an
+/// exit code (0 done, 1 failed, 2 wrong usage).
 
-namespace arbox::cli {}  // namespace arbox::cli
+namespace arbox::cli {
+
+void add_config(CLI::App& app);
+
+}  // namespace arbox::cli

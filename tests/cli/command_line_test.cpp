@@ -1,0 +1,99 @@
+#include "arbox/cli/command_line.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "support/program.h"
+
+namespace {
+
+using arbox::testing::expect_one_line_error;
+using arbox::testing::run;
+using arbox::testing::run_arbox;
+using arbox::testing::RunOptions;
+using arbox::testing::TemporaryDirectory;
+
+TEST(Run, GivesExitCodeOutputAndErrors) {
+  const auto result = run("/bin/sh", {"-c", "cat; echo \"$WORD\" >&2; exit 3"},
+                          {.input = "hello", .environment = {{"WORD", "there"}}});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_EQ(result.output, "hello");
+  EXPECT_EQ(result.errors, "there\n");
+  EXPECT_FALSE(result.timed_out);
+}
+
+TEST(Run, PassesMuchMoreThanAPipeHolds) {
+  const std::string text(5'000'000, 'x');
+  EXPECT_EQ(run("/bin/cat", {}, {.input = text}).output, text);
+}
+
+TEST(Run, KillsWhatOutlivesItsTime) {
+  const auto result = run("/bin/sleep", {"60"}, {.timeout_seconds = 0.2});
+  EXPECT_TRUE(result.timed_out);
+  EXPECT_EQ(result.exit_code, 128 + 9);
+}
+
+TEST(TemporaryDirectory, IsRemovedWithItsContent) {
+  std::filesystem::path path;
+  {
+    const TemporaryDirectory folder;
+    path = folder.path();
+    EXPECT_EQ(arbox::testing::slurp(folder.write("a/b.txt", "text")), "text");
+  }
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(Program, TellsItsVersion) {
+  const auto result = run_arbox({"--version"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(result.output.starts_with("0.")) << result.output;
+  EXPECT_EQ(result.errors, "");
+}
+
+TEST(Program, WrongUsageIsOneLineAndExitsWithTwo) {
+  expect_one_line_error(run_arbox({}), 2, {"arbox --help"});
+  expect_one_line_error(run_arbox({"--threads", "0", "config", "list"}), 2, {"--threads"});
+  expect_one_line_error(run_arbox({"config", "list", "--bogus"}), 2,
+                        {"--bogus", "arbox config list --help"});
+}
+
+TEST(Program, NamesTheNearestCommand) {
+  expect_one_line_error(run_arbox({"confg"}), 2, {"unknown command 'confg', nearest is 'config'"});
+  expect_one_line_error(run_arbox({"config", "lst"}), 2,
+                        {"unknown command 'lst', nearest is 'list'", "arbox config --help"});
+}
+
+TEST(Program, HelpGoesToStandardOutput) {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--help"}, {"config", "--help"}, {"config", "show", "--help"}}) {
+    const auto result = run_arbox(words);
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_NE(result.output.find("Usage: arbox"), std::string::npos);
+    EXPECT_EQ(result.errors, "");
+  }
+}
+
+TEST(Program, FailsWhenStandardOutputIsFull) {
+  const char* program = std::getenv("ARBOX_PROGRAM");
+  ASSERT_NE(program, nullptr);
+  const auto result = run("/bin/sh", {"-c", "\"$0\" --help > /dev/full", program});
+  expect_one_line_error(result, 1, {"cannot write to standard output"});
+}
+
+TEST(Program, SaysNothingWhenItsReaderIsGone) {
+  const char* program = std::getenv("ARBOX_PROGRAM");
+  ASSERT_NE(program, nullptr);
+  const auto result = run("/bin/sh", {"-c", "(sleep 0.1; \"$0\" --help) | true", program});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.errors, "");
+}
+
+TEST(FoldLines, MakesOneLineAndKeepsTheRest) {
+  EXPECT_EQ(arbox::cli::fold_lines("a  b\n   c\r\n\n"), "a  b c");
+  EXPECT_EQ(arbox::cli::fold_lines("\n\na"), "a");
+  EXPECT_EQ(arbox::cli::fold_lines(""), "");
+  EXPECT_EQ(arbox::cli::fold_lines("\n"), "");
+}
+
+}  // namespace

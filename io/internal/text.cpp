@@ -3,17 +3,12 @@
 #include <charconv>
 #include <cmath>
 
+#include "arbox/io/internal/parse.h"
+
 namespace arbox::io::internal {
 namespace {
 
 constexpr std::string_view kWhiteSpace = " \t\r\v\f";
-
-bool parse_double(std::string_view field, double& value) {
-  // from_chars takes no leading plus, which printf("%+g") writes.
-  if (field.size() > 1 && field[0] == '+' && field[1] != '-') field.remove_prefix(1);
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-  return error == std::errc() && end == field.data() + field.size();
-}
 
 }  // namespace
 
@@ -79,12 +74,12 @@ std::vector<std::string_view> split_white_space(std::string_view line) {
 
 bool is_number(std::string_view field) {
   double ignored = 0.0;
-  return parse_double(field, ignored);
+  return to_number(field, ignored);
 }
 
 double parse_number(std::string_view field, std::string_view name, const TextPlace& place) {
   double value = 0.0;
-  if (!parse_double(field, value) || !std::isfinite(value)) {
+  if (!to_number(field, value) || !std::isfinite(value)) {
     refuse(place, "a finite number as " + std::string(name), quoted_text(field));
   }
   return value;

@@ -154,19 +154,22 @@ BoundOptions bind_options(Options& options) {
   return bound;
 }
 
-/// A default-made struct of a type that only its maker knows.
-struct OptionsInstance {
-  std::shared_ptr<void> storage;
-  BoundOptions fields;
-};
+struct OptionsInstance;
 
 /// Makes instances of one options struct: how a list of all of them is kept.
 using OptionsMaker = OptionsInstance (*)();
 
+/// A default-made struct of a type that only its maker knows.
+struct OptionsInstance {
+  std::shared_ptr<void> storage;
+  BoundOptions fields;
+  OptionsMaker maker = nullptr;
+};
+
 template <class Options>
 OptionsInstance make_options() {
   const auto storage = std::make_shared<Options>();
-  return {storage, bind_options(*storage)};
+  return {storage, bind_options(*storage), &make_options<Options>};
 }
 
 /// `defaults` changed by a YAML text; `source` names it in errors. Throws ConfigError.

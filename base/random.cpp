@@ -29,17 +29,17 @@ std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
   return counter;
 }
 
-std::array<std::uint32_t, 4> RandomStream::block(std::uint32_t index) const {
+std::array<std::uint32_t, 4> RandomStream::words(std::uint32_t index) const {
   return philox({index, purpose_, static_cast<std::uint32_t>(object_),
                  static_cast<std::uint32_t>(object_ >> 32)},
                 {static_cast<std::uint32_t>(seed_), static_cast<std::uint32_t>(seed_ >> 32)});
 }
 
-std::uint32_t RandomStream::bits(std::uint32_t index) const { return block(index)[0]; }
+std::uint32_t RandomStream::bits(std::uint32_t index) const { return words(index)[0]; }
 
 double RandomStream::uniform(std::uint32_t index) const {
-  const auto words = block(index);
-  return unit(words[0], words[1]);
+  const auto drawn = words(index);
+  return unit(drawn[0], drawn[1]);
 }
 
 double RandomStream::uniform(std::uint32_t index, double low, double high) const {
@@ -51,9 +51,9 @@ std::uint32_t RandomStream::below(std::uint32_t index, std::uint32_t count) cons
 }
 
 double RandomStream::normal(std::uint32_t index) const {
-  const auto words = block(index);
-  const double radius = std::sqrt(-2.0 * std::log(1.0 - unit(words[0], words[1])));
-  return radius * std::cos(2.0 * std::numbers::pi * unit(words[2], words[3]));
+  const auto drawn = words(index);
+  const double radius = std::sqrt(-2.0 * std::log(1.0 - unit(drawn[0], drawn[1])));
+  return radius * std::cos(2.0 * std::numbers::pi * unit(drawn[2], drawn[3]));
 }
 
 }  // namespace arbox

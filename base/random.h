@@ -20,6 +20,8 @@ class RandomStream {
   RandomStream(std::uint64_t seed, std::uint64_t object, std::uint32_t purpose)
       : seed_(seed), object_(object), purpose_(purpose) {}
 
+  /// Uniform 128 bits of draw `index`; bits() is the first word.
+  std::array<std::uint32_t, 4> words(std::uint32_t index) const;
   /// Uniform 32 bits of draw `index`.
   std::uint32_t bits(std::uint32_t index) const;
   /// Uniform in [0, 1), 53 random bits.
@@ -32,8 +34,6 @@ class RandomStream {
   double normal(std::uint32_t index) const;
 
  private:
-  std::array<std::uint32_t, 4> block(std::uint32_t index) const;
-
   std::uint64_t seed_;
   std::uint64_t object_;
   std::uint32_t purpose_;

@@ -10,13 +10,18 @@
 namespace arbox::geometry {
 namespace {
 
+bool is_valid(const Box& box) {
+  return box.center.allFinite() && box.size.allFinite() && (box.size.array() > 0.0).all() &&
+         std::abs(box.rotation.norm() - 1.0) <= 1e-6;
+}
+
 std::string violation(const Box& box) {
   std::ostringstream text;
   if (!box.center.allFinite()) {
     text << "center is not finite: " << box.center.transpose();
   } else if (!box.size.allFinite() || (box.size.array() <= 0.0).any()) {
     text << "sizes must be finite and above zero, got " << box.size.transpose();
-  } else if (!(std::abs(box.rotation.norm() - 1.0) <= 1e-6)) {
+  } else {
     text << "rotation must be a unit quaternion, its norm is " << box.rotation.norm();
   }
   return text.str();
@@ -50,17 +55,14 @@ double wrap_angle(double angle) {
 }
 
 void require_valid(const Box& box, std::string_view where) {
-  const std::string problem = violation(box);
-  if (!problem.empty()) throw InvalidArgument(std::string(where) + ": " + problem);
+  if (!is_valid(box)) throw InvalidArgument(std::string(where) + ": " + violation(box));
 }
 
 void require_valid(std::span<const Box> boxes, std::string_view where) {
   for (std::size_t row = 0; row < boxes.size(); ++row) {
-    const std::string problem = violation(boxes[row]);
-    if (!problem.empty()) {
-      throw InvalidArgument(std::string(where) + ": box in row " + std::to_string(row) + ": " +
-                            problem);
-    }
+    if (is_valid(boxes[row])) continue;
+    throw InvalidArgument(std::string(where) + ": box in row " + std::to_string(row) + ": " +
+                          violation(boxes[row]));
   }
 }
 

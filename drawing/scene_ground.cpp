@@ -1,0 +1,138 @@
+#include <algorithm>
+#include <cmath>
+
+#include "arbox/drawing/internal/axes.h"
+#include "arbox/drawing/internal/scene_parts.h"
+
+namespace arbox::drawing {
+namespace {
+
+void draw_ground_line(Canvas& canvas, const Projection& projection, const Eigen::Vector3d& from,
+                      const Eigen::Vector3d& to, const Stroke& stroke) {
+  if (const auto line = projection.segment(from, to)) {
+    canvas.line(line->first, line->second, stroke);
+  }
+}
+
+void draw_ring(Canvas& canvas, const Theme& theme, double radius, double ground,
+               const Projection& projection) {
+  constexpr int kSteps = 180;
+  std::vector<Point> run;
+  const Stroke stroke = {.color = theme.grid, .width = 1.2 * theme.unit};
+  for (int i = 0; i <= kSteps; ++i) {
+    const double angle = 2.0 * M_PI * i / kSteps;
+    const auto pixel =
+        projection({radius * std::cos(angle), radius * std::sin(angle), ground});
+    if (pixel) {
+      run.push_back(*pixel);
+    } else {
+      canvas.polyline(run, stroke);
+      run.clear();
+    }
+  }
+  canvas.polyline(run, stroke);
+}
+
+void label_ring(Canvas& canvas, const Theme& theme, double radius, double ground,
+                const Projection& projection) {
+  const TextStyle style = {.size = 12.0 * theme.unit,
+                           .color = theme.soft_ink,
+                           .along = Align::kMiddle,
+                           .across = Align::kMiddle};
+  const std::string text = short_number(radius, 1) + " m";
+  // Forward first; where that is outside of the picture, further and further to the side.
+  for (const double degrees : {0.0, 45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0}) {
+    const double angle = degrees * M_PI / 180.0;
+    const auto pixel = projection({radius * std::cos(angle), radius * std::sin(angle), ground});
+    if (!pixel) continue;
+    const Rect rect = Canvas::text_rect(*pixel, text, style).grown(3.0 * theme.unit);
+    const Rect& clip = canvas.clip_rect();
+    if (rect.left < clip.left || rect.right > clip.right || rect.top < clip.top ||
+        rect.bottom > clip.bottom) {
+      continue;
+    }
+    canvas.fill(rect, theme.panel, 0.75);
+    canvas.text(*pixel, text, style);
+    return;
+  }
+}
+
+double ring_step(const Region& region) {
+  const double reach = std::max(region.high.head<2>().maxCoeff(), -region.low.head<2>().minCoeff());
+  return std::max(1.0, nice_below(reach / 2.5));
+}
+
+}  // namespace
+
+void draw_ground(Canvas& canvas, const Theme& theme, const Region& region,
+                 const Projection& projection) {
+  if (region.rings) {
+    const double step = ring_step(region);
+    const double reach = std::max(region.low.head<2>().norm(), region.high.head<2>().norm());
+    for (double radius = step; radius <= reach; radius += step) {
+      draw_ring(canvas, theme, radius, region.ground, projection);
+    }
+    for (double radius = step; radius <= reach; radius += step) {
+      label_ring(canvas, theme, radius, region.ground, projection);
+    }
+    return;
+  }
+  const double step = nice_below((region.high - region.low).head<2>().maxCoeff() / 5.0);
+  const Stroke stroke = {.color = theme.grid, .width = theme.unit};
+  const double z = region.ground;
+  const auto first = [&](int axis) { return std::ceil(region.low[axis] / step) * step; };
+  for (double x = first(0); x <= region.high.x(); x += step) {
+    draw_ground_line(canvas, projection, {x, region.low.y(), z}, {x, region.high.y(), z}, stroke);
+  }
+  for (double y = first(1); y <= region.high.y(); y += step) {
+    draw_ground_line(canvas, projection, {region.low.x(), y, z}, {region.high.x(), y, z}, stroke);
+  }
+}
+
+void draw_scale_bar(Canvas& canvas, const Theme& theme, double pixels_per_metre) {
+  const double u = theme.unit;
+  const double metres = nice_below(150.0 * u / pixels_per_metre);
+  const double length = metres * pixels_per_metre;
+  const Rect& clip = canvas.clip_rect();
+  const double left = clip.left + 18.0 * u, y = clip.bottom - 18.0 * u;
+  const TextStyle style = {.size = 13.0 * u, .color = theme.ink, .along = Align::kMiddle};
+  const std::string text = short_number(metres, 3) + " m";
+  canvas.fill(Rect{left - 8 * u, y - 28 * u, left + length + 8 * u, y + 9 * u}, theme.panel, 0.85);
+  canvas.fill(Rect{left, y - 2 * u, left + length, y + u}, theme.ink);
+  canvas.fill(Rect{left, y - 6 * u, left + 1.5 * u, y + u}, theme.ink);
+  canvas.fill(Rect{left + length - 1.5 * u, y - 6 * u, left + length, y + u}, theme.ink);
+  canvas.text({left + length / 2, y - 10 * u}, text, style);
+}
+
+void draw_axes(Canvas& canvas, const Theme& theme, const Projection& projection,
+               const Eigen::Vector3d& at) {
+  const double u = theme.unit;
+  const auto start = projection(at);
+  if (!start) return;
+  const Rect& clip = canvas.clip_rect();
+  const Point corner(clip.right - 48.0 * u, clip.bottom - 44.0 * u);
+  canvas.fill(Rect{corner.x() - 40 * u, corner.y() - 42 * u, clip.right, clip.bottom}, theme.panel,
+              0.85);
+  const char* names[] = {"x", "y", "z"};
+  const Color colors[] = {{200, 50, 40}, {40, 140, 60}, {40, 90, 200}};
+  std::array<Point, 3> ways;
+  double longest = 1e-9;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto end = projection(at + 0.01 * Eigen::Vector3d::Unit(axis));
+    ways[axis] = end ? Point(*end - *start) : Point(0, 0);
+    longest = std::max(longest, ways[axis].norm());
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const Point way = ways[axis] / longest * 26.0 * u;
+    if (way.norm() < 2.0 * u) continue;
+    canvas.line(corner, corner + way, {.color = colors[axis], .width = 2.0 * u});
+    canvas.text(corner + way + 9.0 * u * way.normalized(), names[axis],
+                {.size = 12.0 * u,
+                 .color = colors[axis],
+                 .bold = true,
+                 .along = Align::kMiddle,
+                 .across = Align::kMiddle});
+  }
+}
+
+}  // namespace arbox::drawing

@@ -9,9 +9,7 @@ namespace {
 
 constexpr double kFieldOfView = 40.0 * M_PI / 180.0;
 
-Point pixel(const Eigen::Vector3d& homogeneous) {
-  return homogeneous.head<2>() / homogeneous.z();
-}
+Point pixel(const Eigen::Vector3d& homogeneous) { return homogeneous.head<2>() / homogeneous.z(); }
 
 Eigen::Vector3d at_near(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double near) {
   return a + (near - a.z()) / (b.z() - a.z()) * (b - a);
@@ -29,8 +27,10 @@ std::optional<std::pair<Point, Point>> Projection::segment(const Eigen::Vector3d
                                                            const Eigen::Vector3d& to) const {
   Eigen::Vector3d a = homogeneous(from), b = homogeneous(to);
   if (a.z() < near && b.z() < near) return std::nullopt;
-  if (a.z() < near) a = at_near(b, a, near);
-  else if (b.z() < near) b = at_near(a, b, near);
+  if (a.z() < near)
+    a = at_near(b, a, near);
+  else if (b.z() < near)
+    b = at_near(a, b, near);
   return std::make_pair(pixel(a), pixel(b));
 }
 

@@ -5,40 +5,15 @@
 #include <opencv2/imgproc.hpp>
 
 #include "arbox/base/error.h"
+#include "arbox/base/options.h"
 #include "arbox/drawing/internal/projection.h"
 #include "arbox/drawing/internal/scene_parts.h"
 
 namespace arbox::drawing {
 namespace {
 
-void require_choice(const char* name, const std::string& value,
-                    std::initializer_list<const char*> choices) {
-  std::string listed;
-  for (const char* choice : choices) {
-    if (value == choice) return;
-    listed += (listed.empty() ? "" : ", ") + std::string(choice);
-  }
-  throw InvalidArgument(std::string("draw_scene: ") + name + " must be one of " + listed +
-                        ", got '" + value + "'");
-}
-
-void require_within(const char* name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw InvalidArgument(std::string("draw_scene: ") + name + " must be within " +
-                        std::to_string(low) + ".." + std::to_string(high) + ", got " +
-                        std::to_string(value));
-}
-
 void check(const Scene& scene, const SceneOptions& options) {
-  require_choice("view", options.view, {"birdseye", "perspective", "both"});
-  require_choice("color", options.color, {"height", "intensity", "rgb"});
-  require_choice("theme", options.theme, {"light", "dark"});
-  require_within("width", options.width, 320, 8192);
-  require_within("height", options.height, 0, 8192);
-  require_within("range", options.range, 0, 10000);
-  require_within("azimuth", options.azimuth, -360, 360);
-  require_within("elevation", options.elevation, 1, 89);
-  require_within("minimum_score", options.minimum_score, 0, 1);
+  validate_options(options, "draw_scene");
   for (const auto* group : {&scene.predictions, &scene.truth}) {
     for (const geometry::Detection& detection : *group) {
       geometry::require_valid(detection.box, "draw_scene");
@@ -66,7 +41,7 @@ Image scaled(const Image& image, int width, int height) {
 }
 
 void draw_photo(Canvas& canvas, const Scene& scene, SceneOptions options, const Rect& rect) {
-  options.theme = "light";
+  options.background = Background::kLight;
   const Theme theme = make_theme(options);
   const Photo& photo = *scene.photo;
   const int width = static_cast<int>(rect.width()), height = static_cast<int>(rect.height());
@@ -94,8 +69,7 @@ void draw_birdseye(Canvas& canvas, const Theme& theme, const Scene& scene,
                    const Rect& rect) {
   const Eigen::Vector3d extent = region.high - region.low;
   const double scale = std::min(rect.height() / extent.x(), rect.width() / extent.y());
-  const Projection projection =
-      birdseye_projection((region.low + region.high) / 2, scale, rect);
+  const Projection projection = birdseye_projection((region.low + region.high) / 2, scale, rect);
   canvas.fill(rect, theme.panel);
   draw_ground(canvas, theme, region, projection);
   draw_points_birdseye(canvas, theme, points, projection);
@@ -106,10 +80,10 @@ void draw_birdseye(Canvas& canvas, const Theme& theme, const Scene& scene,
 }
 
 void draw_perspective(Canvas& canvas, const Theme& theme, const Scene& scene,
-                      const ScenePoints& points, const Region& region,
-                      const SceneOptions& options, const Rect& rect) {
-  const Projection projection = perspective_projection(region.low, region.high, options.azimuth,
-                                                       options.elevation, rect);
+                      const ScenePoints& points, const Region& region, const SceneOptions& options,
+                      const Rect& rect) {
+  const Projection projection =
+      perspective_projection(region.low, region.high, options.azimuth, options.elevation, rect);
   canvas.fill(rect, theme.panel);
   draw_ground(canvas, theme, region, projection);
   draw_points_perspective(canvas, theme, points, region, projection);
@@ -141,9 +115,11 @@ Layout lay_out(const Scene& scene, const SceneOptions& options, const Theme& the
   }
   const double legend = std::round(legend_height(theme, scene, points, right - left));
   const double below = legend > 0.0 ? legend + 2.0 * gap : gap;
-  const bool birdseye = options.view != "perspective", perspective = options.view != "birdseye";
+  const bool birdseye = options.view != SceneView::kPerspective,
+             perspective = options.view != SceneView::kBirdseye;
   const Eigen::Vector3d extent = region.high - region.low;
-  const double aspect = std::clamp(extent.y() / extent.x(), 0.6, birdseye && perspective ? 1.2 : 3.0);
+  const double aspect =
+      std::clamp(extent.y() / extent.x(), 0.6, birdseye && perspective ? 1.2 : 3.0);
   double height = 0.0;
   if (birdseye && perspective) {
     height = std::round(width * std::clamp(0.78 / (aspect + 0.8), 0.38, 0.52));
@@ -156,10 +132,9 @@ Layout lay_out(const Scene& scene, const SceneOptions& options, const Theme& the
                           std::to_string(static_cast<int>(y + below + 120.0 * theme.unit) + 1) +
                           " pixels for this content, got " + std::to_string(options.height));
   }
-  const double middle =
-      birdseye && perspective
-          ? std::round(left + std::min(height * aspect, 0.6 * (right - left)))
-          : (birdseye ? right : left);
+  const double middle = birdseye && perspective
+                            ? std::round(left + std::min(height * aspect, 0.6 * (right - left)))
+                            : (birdseye ? right : left);
   if (birdseye) layout.birdseye = {left, y, middle, y + height};
   if (perspective) {
     layout.perspective = {birdseye ? middle + gap : left, y, right, y + height};
@@ -173,7 +148,7 @@ Layout lay_out(const Scene& scene, const SceneOptions& options, const Theme& the
 
 Theme make_theme(const SceneOptions& options) {
   const double unit = std::clamp(options.width / 1600.0, 0.55, 4.0);
-  if (options.theme == "dark") {
+  if (options.background == Background::kDark) {
     return {true, {14, 17, 22}, {22, 26, 33}, {235, 238, 242}, {165, 172, 182}, {58, 66, 78}, unit};
   }
   return {false, {255, 255, 255}, {247, 248, 250}, {28, 30, 34}, {105, 110, 118}, {208, 213, 220},
@@ -216,8 +191,7 @@ Image draw_scene(const Scene& given, const SceneOptions& options) {
   within(layout.perspective, [&](const Rect& rect) {
     draw_perspective(canvas, theme, scene, points, region, options, rect);
   });
-  within(layout.legend,
-         [&](const Rect& rect) { draw_legend(canvas, theme, scene, points, rect); });
+  within(layout.legend, [&](const Rect& rect) { draw_legend(canvas, theme, scene, points, rect); });
   return canvas.take();
 }
 

@@ -35,12 +35,16 @@ struct Scene {
   std::optional<Photo> photo;
 };
 
+enum class SceneView { kBirdseye, kPerspective, kBoth };
+enum class PointColor { kHeight, kIntensity, kRgb };
+enum class Background { kLight, kDark };
+
 struct SceneOptions {
-  std::string view = "both";
-  std::string color = "height";
-  std::string theme = "light";
+  SceneView view = SceneView::kBoth;
+  PointColor color = PointColor::kHeight;
+  Background background = Background::kLight;
   /// Text above the picture; none if empty.
-  std::string title;
+  std::string title = {};
   int width = 1800;
   int height = 0;
   double range = 0.0;
@@ -54,27 +58,35 @@ struct SceneOptions {
     visitor.field("view", &SceneOptions::view,
                   {.help = "Which views of the cloud are drawn",
                    .choices = {"birdseye", "perspective", "both"}});
-    visitor.field("color", &SceneOptions::color,
-                  {.help = "What the colour of a point shows",
-                   .choices = {"height", "intensity", "rgb"}});
-    visitor.field("theme", &SceneOptions::theme,
-                  {.help = "Background of the picture", .choices = {"light", "dark"}});
+    visitor.field(
+        "color", &SceneOptions::color,
+        {.help = "What the colour of a point shows", .choices = {"height", "intensity", "rgb"}});
+    visitor.field("background", &SceneOptions::background,
+                  {.help = "Brightness of the picture's background", .choices = {"light", "dark"}});
     visitor.field("title", &SceneOptions::title, {.help = "Text above the picture"});
     visitor.field("width", &SceneOptions::width,
                   {.help = "Width of the picture", .unit = "pixels", .low = 320, .high = 8192});
     visitor.field("height", &SceneOptions::height,
                   {.help = "Height of the picture; 0 follows from the width and the content",
-                   .unit = "pixels", .low = 0, .high = 8192});
+                   .unit = "pixels",
+                   .low = 0,
+                   .high = 8192});
     visitor.field("range", &SceneOptions::range,
                   {.help = "Distance from the origin that is shown; 0 follows from the data",
-                   .unit = "m", .low = 0, .high = 10000});
+                   .unit = "m",
+                   .low = 0,
+                   .high = 10000});
     visitor.field("azimuth", &SceneOptions::azimuth,
                   {.help = "Where the camera of the perspective view stands, seen from the scene, "
                            "counter-clockwise from +x",
-                   .unit = "degrees", .low = -360, .high = 360});
+                   .unit = "degrees",
+                   .low = -360,
+                   .high = 360});
     visitor.field("elevation", &SceneOptions::elevation,
                   {.help = "Height of that camera above the horizon",
-                   .unit = "degrees", .low = 1, .high = 89});
+                   .unit = "degrees",
+                   .low = 1,
+                   .high = 89});
     visitor.field("minimum_score", &SceneOptions::minimum_score,
                   {.help = "Predictions with lower scores are left out", .low = 0, .high = 1});
     visitor.field("labels", &SceneOptions::labels,
@@ -83,14 +95,15 @@ struct SceneOptions {
 };
 
 /// Draws bird's-eye view, perspective view and photo with boxes, as far as asked for and there,
-/// with legend, scale bar, and range rings or a grid. Boxes have their class's colour (class_color).
+/// with legend, scale bar, and range rings or a grid. Boxes have their class's colour
+/// (class_color).
 ///
 /// Extent and camera follow from the points and the boxes unless options say otherwise. Equal input
 /// gives equal pixels. About linear in points; 120000 points take a fraction of a second.
 ///
-/// Throws InvalidArgument for options out of range or too small a height for the content, for
-/// colour by a channel that a non-empty cloud does not have, for invalid boxes, and for a photo
-/// whose projection is not finite.
+/// Throws ConfigError for options out of range; InvalidArgument for a height that is too small for
+/// the content, for colour by a channel that a non-empty cloud does not have, for invalid boxes,
+/// and for a photo whose projection is not finite.
 Image draw_scene(const Scene& scene, const SceneOptions& options = {});
 
 }  // namespace arbox::drawing

@@ -12,9 +12,18 @@ namespace {
 using geometry::Box;
 using geometry::Detection;
 
-constexpr std::array<std::array<int, 2>, 12> kEdges = {{{0, 1}, {2, 3}, {4, 5}, {6, 7},
-                                                        {0, 2}, {1, 3}, {4, 6}, {5, 7},
-                                                        {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
+constexpr std::array<std::array<int, 2>, 12> kEdges = {{{0, 1},
+                                                        {2, 3},
+                                                        {4, 5},
+                                                        {6, 7},
+                                                        {0, 2},
+                                                        {1, 3},
+                                                        {4, 6},
+                                                        {5, 7},
+                                                        {0, 4},
+                                                        {1, 5},
+                                                        {2, 6},
+                                                        {3, 7}}};
 
 void draw_wireframe(Canvas& canvas, const Projection& projection, const Box& box,
                     const Stroke& stroke) {
@@ -26,8 +35,7 @@ void draw_wireframe(Canvas& canvas, const Projection& projection, const Box& box
   }
 }
 
-std::vector<Eigen::Vector3d> in_frame(const Box& box,
-                                      std::initializer_list<Eigen::Vector3d> own) {
+std::vector<Eigen::Vector3d> in_frame(const Box& box, std::initializer_list<Eigen::Vector3d> own) {
   std::vector<Eigen::Vector3d> points;
   for (const Eigen::Vector3d& p : own) {
     points.push_back(box.center + box.rotation * p.cwiseProduct(box.size / 2));
@@ -40,8 +48,8 @@ void draw_heading(Canvas& canvas, const Projection& projection, const Box& box, 
   const double nose = std::min(1.0, 0.9 * box.size.y() / box.size.x());
   canvas.fill(projection.polygon(in_frame(box, {{1, -1, -1}, {1, 1, -1}, {1, 1, 1}, {1, -1, 1}})),
               color, 0.22);
-  canvas.fill(projection.polygon(in_frame(
-                  box, {{0.94, 0, 1}, {0.94 - nose, 0.62, 1}, {0.94 - nose, -0.62, 1}})),
+  canvas.fill(projection.polygon(
+                  in_frame(box, {{0.94, 0, 1}, {0.94 - nose, 0.62, 1}, {0.94 - nose, -0.62, 1}})),
               color, 0.55);
 }
 
@@ -52,7 +60,8 @@ void draw_top(Canvas& canvas, const Projection& projection, const Box& box, Colo
 
 void draw_uncertainty(Canvas& canvas, const Theme& theme, const Projection& projection,
                       const Detection& detection, Color color) {
-  const double faint = std::clamp(2.5 / static_cast<double>(detection.samples.size() + 1), 0.05, 0.3);
+  const double faint =
+      std::clamp(2.5 / static_cast<double>(detection.samples.size() + 1), 0.05, 0.3);
   for (const Box& sample : detection.samples) {
     draw_wireframe(canvas, projection, sample,
                    {.color = color, .width = 0.9 * theme.unit, .opacity = faint});
@@ -147,9 +156,9 @@ void LabelPlacer::place(const std::string& text, const Rect& object, Color color
     const double d = gap + away * h;
     for (const Point& corner :
          {Point(middle.x() - w / 2, shown.top - d - h), Point(shown.right + d, middle.y() - h / 2),
-          Point(shown.left - d - w, middle.y() - h / 2), Point(middle.x() - w / 2, shown.bottom + d),
-          Point(shown.right + d, shown.top - d - h), Point(shown.left - d - w, shown.top - d - h),
-          Point(shown.right + d, shown.bottom + d),
+          Point(shown.left - d - w, middle.y() - h / 2),
+          Point(middle.x() - w / 2, shown.bottom + d), Point(shown.right + d, shown.top - d - h),
+          Point(shown.left - d - w, shown.top - d - h), Point(shown.right + d, shown.bottom + d),
           Point(shown.left - d - w, shown.bottom + d)}) {
       const Rect rect = {corner.x(), corner.y(), corner.x() + w, corner.y() + h};
       if (rect.left < clip.left || rect.right > clip.right || rect.top < clip.top ||
@@ -194,9 +203,8 @@ void draw_boxes(Canvas& canvas, const Theme& theme, const Scene& scene,
   }
   std::vector<std::size_t> order(named.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return named[a].score > named[b].score;
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return named[a].score > named[b].score; });
   for (const std::size_t i : order) {
     placer.place(label_text(named[i], !alone), screen_rect(projection, named[i].box),
                  color_of(named[i]));

@@ -21,8 +21,7 @@ void draw_ring(Canvas& canvas, const Theme& theme, double radius, double ground,
   const Stroke stroke = {.color = theme.grid, .width = 1.2 * theme.unit};
   for (int i = 0; i <= kSteps; ++i) {
     const double angle = 2.0 * M_PI * i / kSteps;
-    const auto pixel =
-        projection({radius * std::cos(angle), radius * std::sin(angle), ground});
+    const auto pixel = projection({radius * std::cos(angle), radius * std::sin(angle), ground});
     if (pixel) {
       run.push_back(*pixel);
     } else {

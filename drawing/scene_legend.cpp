@@ -40,19 +40,18 @@ Entry class_entry(const Theme& theme, const std::string& name, bool dashed) {
                 Point(rect.left, rect.top), Point(rect.right, rect.top),
                 Point(rect.right, rect.bottom), Point(rect.left, rect.bottom)};
             canvas.fill(rect, color, 0.25);
-            canvas.polyline(outline,
-                            {.color = color,
-                             .width = 1.7 * u,
-                             .dash = 4.0 * u,
-                             .gap = dashed ? 3.2 * u : 0.0},
-                            true);
+            canvas.polyline(
+                outline,
+                {.color = color, .width = 1.7 * u, .dash = 4.0 * u, .gap = dashed ? 3.2 * u : 0.0},
+                true);
           }};
 }
 
 Entry ramp_entry(const Theme& theme, const ScenePoints& points) {
   const double u = theme.unit, length = 130.0 * u;
   const int digits = points.high - points.low < 2.0 ? 2 : 1;
-  const std::string low = short_number(points.low, digits), high = short_number(points.high, digits);
+  const std::string low = short_number(points.low, digits),
+                    high = short_number(points.high, digits);
   const TextStyle style = {.size = 13.0 * u, .color = theme.soft_ink, .across = Align::kMiddle};
   const double low_width = Canvas::text_rect({0, 0}, low, style).width() + 7.0 * u;
   const double high_width = Canvas::text_rect({0, 0}, high, style).width() + 7.0 * u;
@@ -84,29 +83,23 @@ std::vector<Entry> entries(const Theme& theme, const Scene& scene, const ScenePo
   std::vector<Entry> result;
   for (const std::string& name : classes) result.push_back(class_entry(theme, name, alone));
   if (!scene.truth.empty()) {
-    result.push_back(line_entry(theme, "ground truth",
-                                {.color = theme.ink,
-                                 .width = 1.7 * u,
-                                 .dash = 5.0 * u,
-                                 .gap = 4.0 * u}));
+    result.push_back(
+        line_entry(theme, "ground truth",
+                   {.color = theme.ink, .width = 1.7 * u, .dash = 5.0 * u, .gap = 4.0 * u}));
   }
   if (!quantiles.empty()) {
-    result.push_back(line_entry(theme, "quantile box, q = " + joined(quantiles),
-                                {.color = theme.soft_ink,
-                                 .width = 1.3 * u,
-                                 .dash = 0.6 * u,
-                                 .gap = 3.0 * u}));
+    result.push_back(
+        line_entry(theme, "quantile box, q = " + joined(quantiles),
+                   {.color = theme.soft_ink, .width = 1.3 * u, .dash = 0.6 * u, .gap = 3.0 * u}));
   }
   if (!confidences.empty()) {
-    result.push_back(line_entry(theme, "confidence box, p = " + joined(confidences),
-                                {.color = theme.soft_ink,
-                                 .width = 1.3 * u,
-                                 .dash = 8.0 * u,
-                                 .gap = 4.0 * u}));
+    result.push_back(
+        line_entry(theme, "confidence box, p = " + joined(confidences),
+                   {.color = theme.soft_ink, .width = 1.3 * u, .dash = 8.0 * u, .gap = 4.0 * u}));
   }
   if (samples) {
-    result.push_back(line_entry(
-        theme, "samples", {.color = theme.soft_ink, .width = 1.0 * u, .opacity = 0.5}));
+    result.push_back(
+        line_entry(theme, "samples", {.color = theme.soft_ink, .width = 1.0 * u, .opacity = 0.5}));
   }
   if (!points.quantity.empty()) result.push_back(ramp_entry(theme, points));
   return result;
@@ -138,8 +131,8 @@ int lay_out(const std::vector<Entry>& all, const Theme& theme, double width, con
 
 double legend_height(const Theme& theme, const Scene& scene, const ScenePoints& points,
                      double width) {
-  const int rows = lay_out(entries(theme, scene, points), theme, width,
-                           [](const Entry&, double, int) {});
+  const int rows =
+      lay_out(entries(theme, scene, points), theme, width, [](const Entry&, double, int) {});
   return rows * kRow * theme.unit;
 }
 

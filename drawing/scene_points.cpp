@@ -83,9 +83,9 @@ std::vector<std::uint32_t> sorted_by(const std::vector<float>& keys) {
 ScenePoints collect_points(const PointCloudView& cloud, const SceneOptions& options) {
   ScenePoints points;
   if (cloud.empty()) return points;
-  const bool by_rgb = options.color == "rgb";
+  const bool by_rgb = options.color == PointColor::kRgb;
   const Channel* intensity =
-      options.color == "intensity" ? &require_channel(cloud, "intensity") : nullptr;
+      options.color == PointColor::kIntensity ? &require_channel(cloud, "intensity") : nullptr;
   std::array<Channel, 3> rgb;
   if (by_rgb) {
     rgb = {require_channel(cloud, "r"), require_channel(cloud, "g"), require_channel(cloud, "b")};
@@ -107,7 +107,7 @@ ScenePoints collect_points(const PointCloudView& cloud, const SceneOptions& opti
   }
   if (by_rgb || points.positions.empty()) return points;
   points.quantity = intensity ? "intensity" : "height, m";
-  map_colors(points, options.theme == "dark");
+  map_colors(points, options.background == Background::kDark);
   return points;
 }
 
@@ -123,7 +123,8 @@ Region find_region(const ScenePoints& points, const Scene& scene, const SceneOpt
       if (axis == 2) ground = spread(values, 0.05).first;
     }
   }
-  const bool around_origin = (low.head<2>().array() <= 0).all() && (high.head<2>().array() >= 0).all();
+  const bool around_origin =
+      (low.head<2>().array() <= 0).all() && (high.head<2>().array() >= 0).all();
   Eigen::AlignedBox3d boxes;
   for (const auto* group : {&scene.predictions, &scene.truth}) {
     for (const geometry::Detection& detection : *group) {
@@ -167,7 +168,8 @@ void draw_points_birdseye(Canvas& canvas, const Theme& theme, const ScenePoints&
   std::vector<Color> colors;
   for (std::size_t i = 0; i < points.positions.size(); ++i) {
     const Eigen::Vector3d h = projection.homogeneous(points.positions[i].cast<double>());
-    if (h.x() < clip.left || h.x() > clip.right || h.y() < clip.top || h.y() > clip.bottom) continue;
+    if (h.x() < clip.left || h.x() > clip.right || h.y() < clip.top || h.y() > clip.bottom)
+      continue;
     pixels.emplace_back(h.x(), h.y());
     heights.push_back(points.positions[i].z());
     colors.push_back(points.colors[i]);

@@ -75,8 +75,8 @@ void draw_ground(Canvas& canvas, const Theme& theme, const Region& region,
                  const Projection& projection);
 
 /// All boxes of the scene with labels.
-void draw_boxes(Canvas& canvas, const Theme& theme, const Scene& scene, const Projection& projection,
-                bool labels);
+void draw_boxes(Canvas& canvas, const Theme& theme, const Scene& scene,
+                const Projection& projection, bool labels);
 
 /// The scale bar in the lower left corner of a bird's-eye view.
 void draw_scale_bar(Canvas& canvas, const Theme& theme, double pixels_per_metre);

@@ -11,5 +11,6 @@
 namespace arbox::cli {
 
 void add_config(CLI::App& app);
+void add_plugins(CLI::App& app);
 
 }  // namespace arbox::cli

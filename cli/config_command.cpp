@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -36,17 +37,18 @@ Json describe(const BoundOptions& options) {
 }
 
 void list(const ConfigFlags& flags) {
-  Json entries = Json::array();
-  std::size_t width = 0;
-  for (const CatalogEntry& entry : options_catalog()) {
-    entries.push_back({{"name", entry.name}, {"help", entry.help}});
-    width = std::max(width, entry.name.size());
-  }
+  const std::vector<CatalogEntry> catalog = options_catalog();
   if (flags.json) {
+    Json entries = Json::array();
+    for (const CatalogEntry& entry : catalog) {
+      entries.push_back({{"name", entry.name}, {"help", entry.help}});
+    }
     std::cout << entries.dump(2) << '\n';
     return;
   }
-  for (const CatalogEntry& entry : options_catalog()) {
+  std::size_t width = 0;
+  for (const CatalogEntry& entry : catalog) width = std::max(width, entry.name.size());
+  for (const CatalogEntry& entry : catalog) {
     std::cout << std::left << std::setw(static_cast<int>(width) + 2) << entry.name << entry.help
               << '\n';
   }
@@ -95,9 +97,10 @@ void add_show(CLI::App& config, const SharedFlags& flags) {
       ->type_name("KEY=VALUE");
   command->add_flag("--table", flags->table, "Print a Markdown table");
   add_json_flag(*command, flags->json);
-  add_examples(*command,
-               {{"arbox config show quantile_box > mine.yaml", "A commented file to start from"},
-                {"arbox config show quantile_box --set seed=7 --json", "Values after a change"}});
+  add_examples(
+      *command,
+      {{"arbox config show detector/cluster_fit > mine.yaml", "A commented file to start from"},
+       {"arbox config show detector/cluster_fit --set seed=7 --json", "Values after a change"}});
   command->callback([flags] { show(*flags); });
 }
 
@@ -108,7 +111,7 @@ void add_check(CLI::App& config, const SharedFlags& flags) {
   add_json_flag(*command, flags->json);
   add_examples(
       *command,
-      {{"arbox config check quantile_box mine.yaml",
+      {{"arbox config check detector/cluster_fit mine.yaml",
         "Tells every unknown key and bad value with its line; exit code 1 if there is one"}});
   command->callback([flags] { check(*flags); });
 }
@@ -122,8 +125,9 @@ void add_config(CLI::App& app) {
   add_list(*config, flags);
   add_show(*config, flags);
   add_check(*config, flags);
-  add_examples(*config, {{"arbox config list", "What can be configured"},
-                         {"arbox config show quantile_box", "Its keys, defaults and help"}});
+  add_examples(*config,
+               {{"arbox config list", "What can be configured"},
+                {"arbox config show detector/cluster_fit", "Its keys, defaults and help"}});
 }
 
 }  // namespace arbox::cli

@@ -1,6 +1,14 @@
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/commands.h"
 
-int main(int argc, char** argv) {
-  return arbox::cli::run_program(argc, argv, [](CLI::App& app) { arbox::cli::add_config(app); });
+namespace {
+
+void add_commands(CLI::App& app) {
+  using namespace arbox::cli;
+  add_config(app);
+  add_plugins(app);
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return arbox::cli::run_program(argc, argv, add_commands); }

@@ -1,21 +1,22 @@
 #include "arbox/cli/options_catalog.h"
 
-#include <algorithm>
-
 #include "arbox/base/names.h"
 #include "arbox/cli/command_line.h"
+#include "arbox/cli/program_registry.h"
 
 namespace arbox::cli {
 
-const std::vector<CatalogEntry>& options_catalog() {
-  static const std::vector<CatalogEntry> catalog = {};
+std::vector<CatalogEntry> options_catalog() {
+  std::vector<CatalogEntry> catalog = {};
+  for (const RegistryEntry& entry : program_registry().entries()) {
+    catalog.push_back({entry.kind + "/" + entry.name, entry.help, entry.options});
+  }
   return catalog;
 }
 
-const CatalogEntry& find_options(std::string_view name) {
-  const std::vector<CatalogEntry>& catalog = options_catalog();
+CatalogEntry find_options(std::string_view name) {
   std::vector<std::string> names;
-  for (const CatalogEntry& entry : catalog) {
+  for (const CatalogEntry& entry : options_catalog()) {
     if (entry.name == name) return entry;
     names.push_back(entry.name);
   }

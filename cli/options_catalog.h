@@ -15,11 +15,11 @@ struct CatalogEntry {
   OptionsMaker make;
 };
 
-/// Every options struct of the library that describes itself, in alphabetical order of names.
-/// A new options struct is added to the list in options_catalog.cpp.
-const std::vector<CatalogEntry>& options_catalog();
+/// Every options struct that describes itself: those of program_registry() as "KIND/NAME", and
+/// those of the library that are listed in options_catalog.cpp, where a new one is added.
+std::vector<CatalogEntry> options_catalog();
 
 /// Throws UsageError that names the nearest for an unknown name.
-const CatalogEntry& find_options(std::string_view name);
+CatalogEntry find_options(std::string_view name);
 
 }  // namespace arbox::cli

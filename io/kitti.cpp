@@ -66,6 +66,19 @@ Box to_box(const KittiObject& object, const KittiCalibration& calibration) {
                                 geometry::wrap_angle(-(object.rotation_y + kQuarterTurn)));
 }
 
+std::vector<Detection> to_detections(std::span<const KittiObject> objects,
+                                     const KittiCalibration& calibration) {
+  std::vector<Detection> detections;
+  for (const KittiObject& object : objects) {
+    if (!has_box(object)) continue;
+    Detection& detection = detections.emplace_back();
+    detection.label = object.type;
+    detection.score = object.score;
+    detection.box = to_box(object, calibration);
+  }
+  return detections;
+}
+
 KittiObject to_kitti_object(const Box& box, const KittiCalibration& calibration) {
   geometry::require_valid(box, "to_kitti_object");
   if (!geometry::is_yaw_only(box, kTiltTolerance)) {

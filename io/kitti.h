@@ -24,6 +24,11 @@ namespace arbox::io {
 /// The object's box in the LiDAR frame. Throws InvalidArgument if has_box(object) is false.
 geometry::Box to_box(const KittiObject& object, const KittiCalibration& calibration);
 
+/// The objects that have a box, in the LiDAR frame, in the order of the file: type becomes the
+/// class, the score is the object's (0 in label files).
+std::vector<geometry::Detection> to_detections(std::span<const KittiObject> objects,
+                                               const KittiCalibration& calibration);
+
 /// The place, sizes and rotation_y of a box in the LiDAR frame, all other fields as in a new
 /// KittiObject. Throws InvalidArgument if the box is invalid or its rotation is not about z within
 /// 1e-6, since KITTI's files cannot hold it.

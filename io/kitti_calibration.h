@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "arbox/io/image_size.h"
+
 /// \file
 /// Calibration and ground plane of a KITTI frame.
 
@@ -16,13 +18,6 @@ namespace arbox::io {
 /// Unaligned on purpose, so that the layout does not depend on a caller's -march flags.
 using Projection = Eigen::Matrix<double, 3, 4, Eigen::RowMajor | Eigen::DontAlign>;
 using AffineTransform = Eigen::Transform<double, 3, Eigen::Affine, Eigen::DontAlign>;
-
-/// Pixels of an image.
-struct ImageSize {
-  int width = 0;
-  int height = 0;
-  friend bool operator==(const ImageSize&, const ImageSize&) = default;
-};
 
 /// How the sensors of a frame stand to each other. Metres and pixels.
 struct KittiCalibration {

@@ -38,6 +38,8 @@ class LineReader {
   bool next_filled();
   std::string_view line() const { return line_; }
   TextPlace place() const { return {source_, number_}; }
+  /// The text after the line.
+  std::string_view rest() const { return rest_; }
 
  private:
   std::string_view rest_;

@@ -11,6 +11,7 @@
 namespace arbox::cli {
 
 void add_config(CLI::App& app);
+void add_evaluate(CLI::App& app);
 void add_plugins(CLI::App& app);
 
 }  // namespace arbox::cli

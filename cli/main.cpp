@@ -6,6 +6,7 @@ namespace {
 void add_commands(CLI::App& app) {
   using namespace arbox::cli;
   add_config(app);
+  add_evaluate(app);
   add_plugins(app);
 }
 

@@ -7,6 +7,7 @@ void add_commands(CLI::App& app) {
   using namespace arbox::cli;
   add_config(app);
   add_evaluate(app);
+  add_info(app);
   add_plugins(app);
 }
 

@@ -231,7 +231,7 @@ bool is_header(const std::vector<std::string_view>& fields) {
 }
 
 void append_class(std::string& text, const std::string& name) {
-  const bool plain = !name.empty() && name.find_first_of(",;\"\t ") == std::string::npos;
+  const bool plain = !name.empty() && name.find_first_of(",;\"\t \v\f") == std::string::npos;
   if (name.find_first_of("\r\n") != std::string::npos) {
     throw InvalidArgument("format_box_table: a class name may not hold a line break, got " +
                           quoted_text(name));

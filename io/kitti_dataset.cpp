@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstring>
 #include <set>
 #include <unordered_set>
 
@@ -10,6 +9,7 @@
 #include "arbox/io/file.h"
 #include "arbox/io/internal/text.h"
 #include "arbox/io/kitti_label.h"
+#include "arbox/io/point_cloud_file.h"
 
 namespace arbox::io {
 namespace {
@@ -82,12 +82,12 @@ std::vector<std::string> read_kitti_split(const fs::path& path) {
 }
 
 geometry::PointCloud read_kitti_scan(const fs::path& path) {
-  const std::string bytes = read_file(path);
-  require_whole_points(path, bytes.size());
-  geometry::PointCloud cloud{.channels = {"intensity"}, .values = {}};
-  cloud.values.resize(bytes.size() / sizeof(float));
-  std::memcpy(cloud.values.data(), bytes.data(), bytes.size());
-  return cloud;
+  count_kitti_points(path);
+  return read_point_cloud(path, {.channels = {"x", "y", "z", "intensity"},
+                                 .keep_non_finite = true,
+                                 .scale_intensity = false,
+                                 .format = "bin"})
+      .points;
 }
 
 std::int64_t count_kitti_points(const fs::path& path) {

@@ -50,6 +50,55 @@ void make_npy(const fs::path& root) {
   write(root, "npz", "two.npz", arbox::io::encode_npz({{"pc", points}, {"labels", labels}}));
 }
 
+void make_tables(const fs::path& root) {
+  write(root, "box_table", "yaw.csv", "1,2,3,4,5,6,0.5\n-1,-2,-3,4e-1,5,6,-3\n");
+  write(root, "box_table", "quaternion.csv",
+        "x,y,z,l,w,h,qw,qx,qy,qz\n1,2,3,4,5,6,0.5,0.5,-0.5,0.5\n");
+  write(root, "box_table", "named.csv",
+        "class;score;yaw;h;w;l;z;y;x;object\n\"a \"\"b\"\", c\";.5;0;1;1;1;0;0;0;7\n");
+  write(root, "box_table", "numbers.txt", "# x y z l w h yaw\r\n1 2 3 4 5 6 0\r\n\r\n");
+  write(root, "box_table", "class.csv", "1 2 3 4 5 6 0 0.25 Car\n");
+}
+
+void make_detections(const fs::path& root) {
+  const std::string box = R"({"center":[1,2.5,-3],"size":[4,2,1.5],"rotation":[1,0,0,0],"yaw":0})";
+  const std::string detection =
+      R"({"class":"Car","score":0.9,"box":)" + box +
+      R"(,"log_density":-1.5,"quantile_boxes":[{"q":0.1,"box":)" + box +
+      R"(,"fallback":false}],"confidence_boxes":[{"p":0.9,"box":)" + box +
+      R"(}],"uncertainty":0.25,"known_size":"crate","samples":[)" + box + "]}";
+  const std::string scan =
+      R"({"source":"a.bin","frame":"lidar","detections":[)" + detection + "]}";
+  write(root, "detection_json", "box.json", R"({"detections":[{"box":)" + box + "}]}");
+  write(root, "detection_json", "scan.json", scan);
+  write(root, "detection_json", "scans.jsonl", scan + "\n" + R"({"detections":[]})" + "\n");
+  write(root, "detection_json", "array.json", "[" + scan + ",\n " + scan + "]");
+}
+
+void make_kitti(const fs::path& root) {
+  const std::string car =
+      "Car 0.25 1 -1.50 10.00 15.50 20.00 25.00 1.50 1.75 4.25 -2.50 1.75 20.00 -1.62";
+  const std::string nothing = "DontCare -1 -1 -10 5 6 7 8 -1 -1 -1 -1000 -1000 -1000 -10";
+  write(root, "kitti_label", "two.txt", car + "\n" + nothing + "\n");
+  write(root, "kitti_label", "windows.txt", car + "\r\n\r\n");
+  write(root, "kitti_result", "two.txt", car + " 0.5\n" + nothing + " 1e-3\n");
+  write(root, "kitti_calibration", "whole.txt",
+        "P0: 7 0 6 0 0 7 1 0 0 0 1 0\nP1: 7 0 6 -3 0 7 1 0 0 0 1 0\n"
+        "P2: 7 0 6 4 0 7 1 0.5 0 0 1 0.005\nP3: 7 0 6 -3 0 7 1 2 0 0 1 0.003\n"
+        "R0_rect: 0.96 0 0.28 0 1 0 -0.28 0 0.96\n"
+        "Tr_velo_to_cam: 0 -1 0 0.01 0 0 -1 -0.08 1 0 0 -0.27\n"
+        "Tr_imu_to_velo: 1 0 0 -0.8 0 1 0 0.3 0 0 1 -0.8\n\n");
+  write(root, "kitti_calibration", "tracking.txt",
+        "P2 1 0 0 0 0 1 0 0 0 0 1 0\nR_rect 1 0 0 0 1 0 0 0 1\n"
+        "Tr_velo_cam 1 0 0 0 0 1 0 0 0 0 1 0\n");
+  write(root, "kitti_plane", "plane.txt", "# Matrix\nWIDTH 4\nHEIGHT 1\n0.01 -1 -2e-2 1.65 \n");
+  write(root, "kitti_split", "train.txt", "000001\n000003\r\n\n a-b_c.d\n");
+  write(root, "png_size", "header.png",
+        std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x04\xda\0\0\x01\x77\x08\x02\0\0\0\xfc\x53\xb1"
+                    "\x8a",
+                    33));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -59,6 +108,9 @@ int main(int argc, char** argv) {
   }
   try {
     make_npy(argv[1]);
+    make_tables(argv[1]);
+    make_detections(argv[1]);
+    make_kitti(argv[1]);
   } catch (const arbox::Error& error) {
     std::cerr << "fuzz_make_corpus: " << error.what() << '\n';
     return 1;

@@ -62,13 +62,12 @@ void make_tables(const fs::path& root) {
 
 void make_detections(const fs::path& root) {
   const std::string box = R"({"center":[1,2.5,-3],"size":[4,2,1.5],"rotation":[1,0,0,0],"yaw":0})";
-  const std::string detection =
-      R"({"class":"Car","score":0.9,"box":)" + box +
-      R"(,"log_density":-1.5,"quantile_boxes":[{"q":0.1,"box":)" + box +
-      R"(,"fallback":false}],"confidence_boxes":[{"p":0.9,"box":)" + box +
-      R"(}],"uncertainty":0.25,"known_size":"crate","samples":[)" + box + "]}";
-  const std::string scan =
-      R"({"source":"a.bin","frame":"lidar","detections":[)" + detection + "]}";
+  const std::string detection = R"({"class":"Car","score":0.9,"box":)" + box +
+                                R"(,"log_density":-1.5,"quantile_boxes":[{"q":0.1,"box":)" + box +
+                                R"(,"fallback":false}],"confidence_boxes":[{"p":0.9,"box":)" + box +
+                                R"(}],"uncertainty":0.25,"known_size":"crate","samples":[)" + box +
+                                "]}";
+  const std::string scan = R"({"source":"a.bin","frame":"lidar","detections":[)" + detection + "]}";
   write(root, "detection_json", "box.json", R"({"detections":[{"box":)" + box + "}]}");
   write(root, "detection_json", "scan.json", scan);
   write(root, "detection_json", "scans.jsonl", scan + "\n" + R"({"detections":[]})" + "\n");
@@ -93,10 +92,11 @@ void make_kitti(const fs::path& root) {
         "Tr_velo_cam 1 0 0 0 0 1 0 0 0 0 1 0\n");
   write(root, "kitti_plane", "plane.txt", "# Matrix\nWIDTH 4\nHEIGHT 1\n0.01 -1 -2e-2 1.65 \n");
   write(root, "kitti_split", "train.txt", "000001\n000003\r\n\n a-b_c.d\n");
-  write(root, "png_size", "header.png",
-        std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x04\xda\0\0\x01\x77\x08\x02\0\0\0\xfc\x53\xb1"
-                    "\x8a",
-                    33));
+  write(
+      root, "png_size", "header.png",
+      std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x04\xda\0\0\x01\x77\x08\x02\0\0\0\xfc\x53\xb1"
+                  "\x8a",
+                  33));
 }
 
 }  // namespace

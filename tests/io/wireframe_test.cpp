@@ -47,8 +47,8 @@ Mesh parse(const std::string& text) {
     int r, g, b;
     stream >> p.x() >> p.y() >> p.z() >> r >> g >> b;
     mesh.vertices.push_back(p);
-    mesh.colors.push_back({static_cast<std::uint8_t>(r), static_cast<std::uint8_t>(g),
-                           static_cast<std::uint8_t>(b)});
+    mesh.colors.push_back(
+        {static_cast<std::uint8_t>(r), static_cast<std::uint8_t>(g), static_cast<std::uint8_t>(b)});
   }
   for (std::size_t i = 0; i < faces; ++i) {
     int count = 0;
@@ -92,8 +92,8 @@ TEST(Wireframe, IsAClosedOutwardMeshOfBarsAlongEveryEdge) {
 }
 
 TEST(Wireframe, ColoursFollowTheClass) {
-  const Mesh mesh = parse(format_wireframes_ply(
-      std::vector{detection("Car", {}), detection("Van", {})}, color_of));
+  const Mesh mesh = parse(
+      format_wireframes_ply(std::vector{detection("Car", {}), detection("Van", {})}, color_of));
   EXPECT_EQ(mesh.colors.front(), (RgbBytes{10, 20, 255}));
   EXPECT_EQ(mesh.colors.back(), (RgbBytes{200, 0, 0}));
 }

@@ -14,6 +14,7 @@ void add_config(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_info(CLI::App& app);
 void add_plugins(CLI::App& app);
+void add_view(CLI::App& app);
 
 /// Adds `kitti` to the command `info`.
 void add_info_kitti(CLI::App& info);

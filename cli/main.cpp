@@ -9,6 +9,7 @@ void add_commands(CLI::App& app) {
   add_evaluate(app);
   add_info(app);
   add_plugins(app);
+  add_view(app);
 }
 
 }  // namespace

@@ -3,11 +3,14 @@
 #include "arbox/base/names.h"
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/program_registry.h"
+#include "arbox/drawing/scene.h"
 
 namespace arbox::cli {
 
 std::vector<CatalogEntry> options_catalog() {
-  std::vector<CatalogEntry> catalog = {};
+  std::vector<CatalogEntry> catalog = {
+      {"scene", "Pictures of scans with boxes", make_options<drawing::SceneOptions>},
+  };
   for (const RegistryEntry& entry : program_registry().entries()) {
     catalog.push_back({entry.kind + "/" + entry.name, entry.help, entry.options});
   }

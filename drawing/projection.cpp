@@ -53,35 +53,35 @@ Projection birdseye_projection(const Eigen::Vector3d& center, double pixels_per_
   return projection;
 }
 
-Projection perspective_projection(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                                  double azimuth, double elevation, const Rect& rect) {
+Projection perspective_projection(std::span<const Eigen::Vector3d> shown, double azimuth,
+                                  double elevation, const Rect& rect) {
   const double a = azimuth * M_PI / 180.0, e = elevation * M_PI / 180.0;
   const Eigen::Vector3d toward(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
   const Eigen::Vector3d right(-std::sin(a), std::cos(a), 0.0);
   const Eigen::Vector3d up = toward.cross(right);
   const double focal = 0.5 * rect.height() / std::tan(kFieldOfView / 2);
   const double half_width = 0.5 * rect.width() / focal, half_height = 0.5 * rect.height() / focal;
-  Eigen::Vector3d target = (low + high) / 2;
+  Eigen::AlignedBox3d bounds;
+  for (const Eigen::Vector3d& p : shown) bounds.extend(p);
+  Eigen::Vector3d target = bounds.center();
   double distance = 0.0;
-  // Near corners spread more than far ones, so the middle of the picture is found by iteration.
-  for (int round = 0; round < 12; ++round) {
-    distance = 0.0;
-    std::array<Eigen::Vector3d, 8> seen;
-    for (int i = 0; i < 8; ++i) {
-      const Eigen::Vector3d corner((i & 1 ? high : low).x(), (i & 2 ? high : low).y(),
-                                   (i & 4 ? high : low).z());
-      const Eigen::Vector3d p = corner - target;
-      seen[i] = {right.dot(p), up.dot(p), toward.dot(p)};
-      distance = std::max({distance, seen[i].z() + std::abs(seen[i].x()) / half_width,
-                           seen[i].z() + std::abs(seen[i].y()) / half_height});
-    }
+  // Near points spread more than far ones, so the middle of the picture is found by iteration.
+  for (int round = 0; round < 20; ++round) {
     Point first = Point::Constant(std::numeric_limits<double>::infinity()), last = -first;
-    for (const Eigen::Vector3d& p : seen) {
-      const Point on_screen = p.head<2>() / std::max(1e-6, distance - p.z());
+    const double from = distance;
+    distance = 0.1;
+    for (const Eigen::Vector3d& point : shown) {
+      const Eigen::Vector3d p = point - target;
+      const Point across(right.dot(p), up.dot(p));
+      const double toward_eye = toward.dot(p);
+      distance = std::max({distance, toward_eye + std::abs(across.x()) / half_width,
+                           toward_eye + std::abs(across.y()) / half_height, toward_eye + 0.1});
+      const Point on_screen = across / std::max(0.1, from - toward_eye);
       first = first.cwiseMin(on_screen);
       last = last.cwiseMax(on_screen);
     }
-    const Point shift = 0.5 * distance * (first + last) / 2;
+    if (round == 0 || round == 19) continue;
+    const Point shift = 0.4 * distance * (first + last) / 2;
     target += shift.x() * right + shift.y() * up;
   }
   const Eigen::Vector3d eye = target + distance * toward;

@@ -52,7 +52,7 @@ void draw_photo(Canvas& canvas, const Scene& scene, SceneOptions options, const 
   Eigen::Matrix3d place;
   place << sx, 0, rect.left + 0.5 * sx, 0, sy, rect.top + 0.5 * sy, 0, 0, 1;
   const Projection projection = {place * photo.projection, 0.3};
-  draw_boxes(canvas, theme, scene, projection, options.labels);
+  draw_boxes(canvas, theme, scene, projection, options.captions);
 }
 
 void draw_sensor(Canvas& canvas, const Theme& theme, const Region& region,
@@ -74,21 +74,46 @@ void draw_birdseye(Canvas& canvas, const Theme& theme, const Scene& scene,
   draw_ground(canvas, theme, region, projection);
   draw_points_birdseye(canvas, theme, points, projection);
   draw_sensor(canvas, theme, region, projection);
-  draw_boxes(canvas, theme, scene, projection, options.labels);
+  draw_boxes(canvas, theme, scene, projection, options.captions);
   draw_scale_bar(canvas, theme, scale);
   draw_axes(canvas, theme, projection, region.low);
+}
+
+std::vector<Eigen::Vector3d> points_of_interest(const Scene& scene, const ScenePoints& points,
+                                                const Region& region) {
+  const Eigen::AlignedBox3d shown(region.low, region.high);
+  std::vector<Eigen::Vector3d> result;
+  const std::size_t step = std::max<std::size_t>(1, points.positions.size() / 4000);
+  for (std::size_t i = 0; i < points.positions.size(); i += step) {
+    const Eigen::Vector3d position = points.positions[i].cast<double>();
+    if (shown.contains(position)) result.push_back(position);
+  }
+  for (const auto* group : {&scene.predictions, &scene.truth}) {
+    for (const geometry::Detection& detection : *group) {
+      for (const Eigen::Vector3d& corner : geometry::corners(detection.box)) {
+        if (shown.contains(corner)) result.push_back(corner);
+      }
+    }
+  }
+  if (!result.empty()) return result;
+  for (const double x : {region.low.x(), region.high.x()}) {
+    for (const double y : {region.low.y(), region.high.y()}) result.emplace_back(x, y, region.ground);
+  }
+  return result;
 }
 
 void draw_perspective(Canvas& canvas, const Theme& theme, const Scene& scene,
                       const ScenePoints& points, const Region& region, const SceneOptions& options,
                       const Rect& rect) {
-  const Projection projection =
-      perspective_projection(region.low, region.high, options.azimuth, options.elevation, rect);
+  // One looks along a road, but over the walls into a room.
+  const double elevation = options.elevation.value_or(region.rings ? 28.0 : 48.0);
+  const Projection projection = perspective_projection(points_of_interest(scene, points, region),
+                                                       options.azimuth, elevation, rect);
   canvas.fill(rect, theme.panel);
   draw_ground(canvas, theme, region, projection);
   draw_points_perspective(canvas, theme, points, region, projection);
   draw_sensor(canvas, theme, region, projection);
-  draw_boxes(canvas, theme, scene, projection, options.labels);
+  draw_boxes(canvas, theme, scene, projection, options.captions);
   draw_axes(canvas, theme, projection, (region.low + region.high) / 2);
 }
 

@@ -49,9 +49,9 @@ struct SceneOptions {
   int height = 0;
   double range = 0.0;
   double azimuth = -160.0;
-  double elevation = 28.0;
+  std::optional<double> elevation = {};
   double minimum_score = 0.0;
-  bool labels = true;
+  bool captions = true;
 
   template <class Visitor>
   static void describe(Visitor& visitor) {
@@ -83,13 +83,13 @@ struct SceneOptions {
                    .low = -360,
                    .high = 360});
     visitor.field("elevation", &SceneOptions::elevation,
-                  {.help = "Height of that camera above the horizon",
+                  {.help = "Height of that camera above the horizon; follows from the data if not given",
                    .unit = "degrees",
                    .low = 1,
                    .high = 89});
     visitor.field("minimum_score", &SceneOptions::minimum_score,
                   {.help = "Predictions with lower scores are left out", .low = 0, .high = 1});
-    visitor.field("labels", &SceneOptions::labels,
+    visitor.field("captions", &SceneOptions::captions,
                   {.help = "Write class and score beside the boxes"});
   }
 };

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -33,9 +34,9 @@ struct Projection {
 Projection birdseye_projection(const Eigen::Vector3d& center, double pixels_per_metre,
                                const Rect& rect);
 
-/// Seen from direction (azimuth, elevation), degrees, from so far that the eight corners of the
-/// box low..high fill `rect`.
-Projection perspective_projection(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                                  double azimuth, double elevation, const Rect& rect);
+/// Seen from direction (azimuth, elevation), degrees, from so far that all of the given points (at
+/// least one) are within `rect` and fill it. Objects are in front of the camera.
+Projection perspective_projection(std::span<const Eigen::Vector3d> shown, double azimuth,
+                                  double elevation, const Rect& rect);
 
 }  // namespace arbox::drawing

@@ -13,6 +13,15 @@ Projection forward_camera() {
   return projection;
 }
 
+std::vector<Eigen::Vector3d> box_corners(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+  std::vector<Eigen::Vector3d> corners;
+  for (int i = 0; i < 8; ++i) {
+    corners.emplace_back((i & 1 ? high : low).x(), (i & 2 ? high : low).y(),
+                         (i & 4 ? high : low).z());
+  }
+  return corners;
+}
+
 TEST(Projection, BirdseyeHasForwardUpAndLeftToTheLeft) {
   const Rect rect = {100, 200, 300, 400};
   const Projection projection = birdseye_projection({10, 5, 0}, 4.0, rect);
@@ -24,13 +33,13 @@ TEST(Projection, BirdseyeHasForwardUpAndLeftToTheLeft) {
 TEST(Projection, PerspectiveShowsTheWholeRegionAndFillsTheRectangle) {
   const Rect rect = {50, 20, 850, 620};
   const Eigen::Vector3d low(-5, -30, -2), high(60, 20, 4);
+  const std::vector<Eigen::Vector3d> shown = box_corners(low, high);
   for (const double azimuth : {-160.0, 0.0, 35.0, 90.0, 180.0}) {
     for (const double elevation : {5.0, 28.0, 85.0}) {
-      const Projection projection = perspective_projection(low, high, azimuth, elevation, rect);
+      const Projection projection = perspective_projection(shown, azimuth, elevation, rect);
       Point first(1e9, 1e9), last(-1e9, -1e9);
-      for (int i = 0; i < 8; ++i) {
-        const auto pixel = projection(
-            {(i & 1 ? high : low).x(), (i & 2 ? high : low).y(), (i & 4 ? high : low).z()});
+      for (const Eigen::Vector3d& point : shown) {
+        const auto pixel = projection(point);
         ASSERT_TRUE(pixel.has_value());
         first = first.cwiseMin(*pixel);
         last = last.cwiseMax(*pixel);
@@ -46,9 +55,18 @@ TEST(Projection, PerspectiveShowsTheWholeRegionAndFillsTheRectangle) {
   }
 }
 
+TEST(Projection, OnePointIsShownInTheMiddle) {
+  const std::vector<Eigen::Vector3d> shown = {{3, 4, 5}};
+  const Projection projection = perspective_projection(shown, 10.0, 20.0, {0, 0, 100, 60});
+  const auto pixel = projection({3, 4, 5});
+  ASSERT_TRUE(pixel.has_value());
+  EXPECT_NEAR(pixel->x(), 50.0, 1e-6);
+  EXPECT_NEAR(pixel->y(), 30.0, 1e-6);
+}
+
 TEST(Projection, PerspectiveIsUprightAndNotMirrored) {
   const Projection projection =
-      perspective_projection({-1, -1, -1}, {1, 1, 1}, 180.0, 20.0, {0, 0, 100, 100});
+      perspective_projection(box_corners({-1, -1, -1}, {1, 1, 1}), 180.0, 20.0, {0, 0, 100, 100});
   EXPECT_LT(projection({0, 0, 1})->y(), projection({0, 0, -1})->y());
   EXPECT_LT(projection({0, 1, 0})->x(), projection({0, -1, 0})->x());
 }

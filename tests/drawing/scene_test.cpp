@@ -43,7 +43,7 @@ SceneOptions birdseye(int width = 600) {
   SceneOptions options;
   options.view = SceneView::kBirdseye;
   options.width = width;
-  options.labels = false;
+  options.captions = false;
   return options;
 }
 
@@ -141,9 +141,9 @@ TEST(Scene, LabelsTitleAndUncertaintyChangeThePicture) {
   scene.predictions = {detection("Car", {5, 0, 0})};
   SceneOptions options = birdseye();
   const Image plain = draw_scene(scene, options);
-  options.labels = true;
+  options.captions = true;
   EXPECT_NE(draw_scene(scene, options).pixels, plain.pixels);
-  options.labels = false;
+  options.captions = false;
   options.title = "A title";
   EXPECT_GT(draw_scene(scene, options).height, plain.height);
   options.title.clear();

@@ -42,9 +42,8 @@ std::vector<Detection> from_table(const std::filesystem::path& path) {
 std::vector<Detection> from_kitti(const std::filesystem::path& path, KittiText kitti,
                                   const io::KittiCalibration& calibration) {
   std::vector<Detection> detections;
-  for (const io::KittiObject& object : kitti == KittiText::kResults
-                                           ? io::read_kitti_results(path)
-                                           : io::read_kitti_labels(path)) {
+  for (const io::KittiObject& object :
+       kitti == KittiText::kResults ? io::read_kitti_results(path) : io::read_kitti_labels(path)) {
     if (!io::has_box(object)) continue;
     Detection& detection = detections.emplace_back();
     detection.label = object.type;

@@ -22,8 +22,8 @@ enum class KittiText { kLabels, kResults };
 ///
 /// Throws UsageError for another extension and for .txt without a calibration, FormatError for bad
 /// content and for JSON of several scans of which not exactly one fits, IoError.
-std::vector<geometry::Detection> read_boxes(
-    const std::filesystem::path& path, KittiText kitti, const std::string& scan,
-    const std::optional<io::KittiCalibration>& calibration);
+std::vector<geometry::Detection> read_boxes(const std::filesystem::path& path, KittiText kitti,
+                                            const std::string& scan,
+                                            const std::optional<io::KittiCalibration>& calibration);
 
 }  // namespace arbox::cli

@@ -1,6 +1,6 @@
+#include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 #include <memory>
-#include <spdlog/spdlog.h>
 
 #include "arbox/base/options.h"
 #include "arbox/cli/box_file.h"

@@ -97,7 +97,8 @@ std::vector<Eigen::Vector3d> points_of_interest(const Scene& scene, const SceneP
   }
   if (!result.empty()) return result;
   for (const double x : {region.low.x(), region.high.x()}) {
-    for (const double y : {region.low.y(), region.high.y()}) result.emplace_back(x, y, region.ground);
+    for (const double y : {region.low.y(), region.high.y()})
+      result.emplace_back(x, y, region.ground);
   }
   return result;
 }

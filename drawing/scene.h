@@ -82,11 +82,12 @@ struct SceneOptions {
                    .unit = "degrees",
                    .low = -360,
                    .high = 360});
-    visitor.field("elevation", &SceneOptions::elevation,
-                  {.help = "Height of that camera above the horizon; follows from the data if not given",
-                   .unit = "degrees",
-                   .low = 1,
-                   .high = 89});
+    visitor.field(
+        "elevation", &SceneOptions::elevation,
+        {.help = "Height of that camera above the horizon; follows from the data if not given",
+         .unit = "degrees",
+         .low = 1,
+         .high = 89});
     visitor.field("minimum_score", &SceneOptions::minimum_score,
                   {.help = "Predictions with lower scores are left out", .low = 0, .high = 1});
     visitor.field("captions", &SceneOptions::captions,

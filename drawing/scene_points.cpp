@@ -70,6 +70,18 @@ double rgb_scale(const PointCloudView& cloud, const std::array<Channel, 3>& rgb)
   return 255.0;
 }
 
+// Corners of the box that leaves that share of the points out at either side of each axis.
+std::pair<Eigen::Vector3d, Eigen::Vector3d> extent(const ScenePoints& points, double share) {
+  Eigen::Vector3d low, high;
+  std::vector<float> values(points.positions.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    std::transform(points.positions.begin(), points.positions.end(), values.begin(),
+                   [axis](const Eigen::Vector3f& p) { return p[axis]; });
+    std::tie(low[axis], high[axis]) = spread(values, share);
+  }
+  return {low, high};
+}
+
 std::vector<std::uint32_t> sorted_by(const std::vector<float>& keys) {
   std::vector<std::uint32_t> order(keys.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -113,16 +125,7 @@ ScenePoints collect_points(const PointCloudView& cloud, const SceneOptions& opti
 
 Region find_region(const ScenePoints& points, const Scene& scene, const SceneOptions& options) {
   Eigen::Vector3d low(-10, -10, -1), high(10, 10, 1);
-  double ground = 0.0;
-  if (!points.positions.empty()) {
-    for (int axis = 0; axis < 3; ++axis) {
-      std::vector<float> values;
-      values.reserve(points.positions.size());
-      for (const Eigen::Vector3f& p : points.positions) values.push_back(p[axis]);
-      std::tie(low[axis], high[axis]) = spread(values, axis == 2 ? 0.005 : 0.02);
-      if (axis == 2) ground = spread(values, 0.05).first;
-    }
-  }
+  if (!points.positions.empty()) std::tie(low, high) = extent(points, 0.003);
   const bool around_origin =
       (low.head<2>().array() <= 0).all() && (high.head<2>().array() >= 0).all();
   Eigen::AlignedBox3d boxes;
@@ -131,8 +134,13 @@ Region find_region(const ScenePoints& points, const Scene& scene, const SceneOpt
       for (const Eigen::Vector3d& corner : geometry::corners(detection.box)) boxes.extend(corner);
     }
   }
+  const bool rings = around_origin && (high - low).head<2>().maxCoeff() > 20.0;
+  if (rings && !points.positions.empty()) {
+    // The outskirts of a scan are sparse.
+    std::tie(low, high) = extent(points, boxes.isEmpty() ? 0.06 : 0.02);
+  }
+  double ground = points.positions.empty() ? 0.0 : extent(points, 0.05).first.z();
   const double reach = (high - low).head<2>().maxCoeff();
-  const bool rings = around_origin && reach > 20.0;
   if (!boxes.isEmpty()) {
     if (points.positions.empty()) {
       low = boxes.min();

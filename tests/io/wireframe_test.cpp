@@ -6,6 +6,7 @@
 #include <sstream>
 #include <vector>
 
+#include "arbox/io/point_cloud_file.h"
 #include "io/expect_refusal.h"
 
 namespace {
@@ -96,6 +97,13 @@ TEST(Wireframe, ColoursFollowTheClass) {
       format_wireframes_ply(std::vector{detection("Car", {}), detection("Van", {})}, color_of));
   EXPECT_EQ(mesh.colors.front(), (RgbBytes{10, 20, 255}));
   EXPECT_EQ(mesh.colors.back(), (RgbBytes{200, 0, 0}));
+}
+
+TEST(Wireframe, OtherReadersOpenTheFile) {
+  const std::string text = format_wireframes_ply(std::vector{detection("Car", {})}, color_of);
+  const auto file = arbox::io::parse_point_cloud(text, "boxes.ply");
+  EXPECT_EQ(file.points.size(), 13u * 8);
+  EXPECT_EQ(file.points.channels, (std::vector<std::string>{"r", "g", "b"}));
 }
 
 TEST(Wireframe, NoDetectionsAreAnEmptyMeshAndBadBoxesAreRefused) {

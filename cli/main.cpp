@@ -8,6 +8,7 @@ void add_commands(CLI::App& app) {
   add_config(app);
   add_evaluate(app);
   add_info(app);
+  add_overlap(app);
   add_plugins(app);
   add_view(app);
 }

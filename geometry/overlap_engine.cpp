@@ -44,7 +44,7 @@ double measured(double intersection, double first, double second, Overlap measur
     case Overlap::kIntersection:
       return volume;
     case Overlap::kIou:
-      return std::min(1.0, volume / (first + second - volume));
+      return volume / std::max({first, second, first + second - volume});
     case Overlap::kIog:
       return volume / second;
   }

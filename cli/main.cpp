@@ -6,9 +6,10 @@ namespace {
 void add_commands(CLI::App& app) {
   using namespace arbox::cli;
   add_config(app);
-  add_evaluate(app);
+  add_convert(app);
   add_info(app);
   add_overlap(app);
+  add_evaluate(app);
   add_plugins(app);
   add_view(app);
 }

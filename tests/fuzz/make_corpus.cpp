@@ -13,6 +13,7 @@
 #include "arbox/io/file.h"
 #include "arbox/io/npy.h"
 #include "arbox/io/npz.h"
+#include "arbox/io/point_cloud_file.h"
 
 namespace {
 
@@ -99,6 +100,55 @@ void make_kitti(const fs::path& root) {
                   33));
 }
 
+arbox::geometry::PointCloud make_cloud() {
+  arbox::geometry::PointCloud points{
+      .channels = {"intensity", "r", "g", "b", "ring", "time", "normal_x", "normal_y", "normal_z"},
+      .values = {}};
+  for (int i = 0; i < 6; ++i) {
+    const auto n = static_cast<float>(i);
+    points.values.insert(points.values.end(), {n * 0.5F, -n, 2.0F, n / 8, 1.0F, n / 5, 0.0F, n,
+                                               n / 4, 0.0F, 0.0F, 1.0F});
+  }
+  return points;
+}
+
+void make_point_clouds(const fs::path& root) {
+  using arbox::io::PointCloudFormat;
+  const auto points = make_cloud();
+  const auto encode = [&](PointCloudFormat format, const std::string& encoding,
+                          const std::vector<std::string>& channels = {}) {
+    return arbox::io::encode_point_cloud(points.view(), format,
+                                         {.encoding = encoding, .channels = channels});
+  };
+  for (const std::string encoding : {"ascii", "binary", "binary_compressed"}) {
+    write(root, "point_cloud_pcd", encoding + ".pcd", encode(PointCloudFormat::kPcd, encoding));
+  }
+  write(root, "point_cloud_pcd", "order_types_counts.pcd",
+        "VERSION .7\nFIELDS label _ z normal y rgba x t\nSIZE 2 1 4 4 8 4 1 8\n"
+        "TYPE U U F F F F I U\nCOUNT 1 2 1 3 1 1 1 1\nWIDTH 2\nHEIGHT 1\n"
+        "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n1 0 0 .5 0 0 1 nan 4.2e6 -1 7\n"
+        "2 0 0 1e-3 0 1 0 inf 0 12 8\n");
+  for (const std::string encoding : {"ascii", "binary"}) {
+    write(root, "point_cloud_ply", encoding + ".ply", encode(PointCloudFormat::kPly, encoding));
+  }
+  const std::string elements =
+      "element camera 1\nproperty list uchar char values\nelement vertex 2\nproperty char x\n"
+      "property list uchar char near\nproperty uchar y\nproperty char z\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n";
+  write(root, "point_cloud_ply", "lists_ascii.ply",
+        "ply\nformat ascii 1.0\n" + elements + "2 7 8\n1 1 9 2 -3\n4 0 5 6\n2 0 1\n");
+  write(root, "point_cloud_ply", "lists_big_endian.ply",
+        "ply\nformat binary_big_endian 1.0\n" + elements +
+            std::string("\2\7\10\1\1\11\2\3\4\0\5\6\1\0\0\0\1", 17));
+  write(root, "point_cloud_text", "header.csv", encode(PointCloudFormat::kText, ""));
+  write(root, "point_cloud_text", "semicolons.txt", "1;2;3;0.5;\r\n4;5;-6e0;+1;\r\n");
+  write(root, "point_cloud_text", "blanks.xyz", "# made\n//X Y Z nx\n1 2\t3 nan\n\n4 5 -6 inf\n");
+  write(root, "point_cloud_text", "count.pts", "2\n1 2 3 9 255 0 7\n4 5 6 8 1 2 3\n");
+  write(root, "point_cloud_bin", "four.bin", encode(PointCloudFormat::kBin, ""));
+  write(root, "point_cloud_bin", "five.bin",
+        encode(PointCloudFormat::kBin, "", {"intensity", "ring"}).substr(0, 100));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -111,6 +161,7 @@ int main(int argc, char** argv) {
     make_tables(argv[1]);
     make_detections(argv[1]);
     make_kitti(argv[1]);
+    make_point_clouds(argv[1]);
   } catch (const arbox::Error& error) {
     std::cerr << "fuzz_make_corpus: " << error.what() << '\n';
     return 1;

@@ -18,7 +18,7 @@ using evaluation::KittiReport;
 
 std::string with_figure(const std::string& name, double percent) {
   std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "  %.2f", percent);
+  std::snprintf(text.data(), text.size(), " %.2f", percent);
   return name + text.data();
 }
 

@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "arbox/base/error.h"
+#include "arbox/io/internal/json.h"
 
 namespace arbox::evaluation {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using io::internal::Json;
 
 struct Metric {
   const char* name;
@@ -51,7 +51,10 @@ Json values_of(const KittiCurves& curves) {
   return result;
 }
 
-std::string threshold_name(double threshold) { return print("%.2f", threshold); }
+std::string threshold_name(double threshold) {
+  const std::string two_digits = print("%.2f", threshold);
+  return std::stod(two_digits) == threshold ? two_digits : print("%.17g", threshold);
+}
 
 Json by_threshold(const IndoorReport& report, const std::vector<IndoorScore>& scores,
                   const IndoorScore& mean, double IndoorScore::*value) {
@@ -119,7 +122,7 @@ std::string to_json(const KittiReport& report) {
       json["curves"][settings.name][metric.name] = values_of(*curves);
     }
   }
-  return json.dump(1) + "\n";
+  return io::internal::dump(json, 1) + "\n";
 }
 
 std::string to_json(const IndoorReport& report) {
@@ -146,7 +149,7 @@ std::string to_json(const IndoorReport& report) {
         by_threshold(report, report.class_means, report.mean, &IndoorScore::recall);
   }
   json["curves"] = std::move(curves);
-  return json.dump(1) + "\n";
+  return io::internal::dump(json, 1) + "\n";
 }
 
 std::string to_table(const KittiReport& report) {
@@ -199,8 +202,10 @@ std::string to_table(const IndoorReport& report, const std::vector<double>& show
     text += result.scores.empty() ? "  no truth, so no AP\n"
                                   : indoor_row(report, shown, result.scores, result.mean);
   }
-  text += print("%-*s %7s %11s", width, "mean", "", "");
-  text += indoor_row(report, shown, report.class_means, report.mean);
+  if (!names.empty()) {
+    text += print("%-*s %7s %11s", width, "mean", "", "");
+    text += indoor_row(report, shown, report.class_means, report.mean);
+  }
   return text;
 }
 

@@ -85,8 +85,7 @@ std::string to_json(const ConfidenceCalibration& calibration) {
   return io::internal::dump(json, 1) + "\n";
 }
 
-ConfidenceCalibration parse_confidence_calibration(std::string_view text,
-                                                   std::string_view source) {
+ConfidenceCalibration parse_confidence_calibration(std::string_view text, std::string_view source) {
   const auto values = io::internal::parse_values(text, source);
   if (values.size() != 1) {
     throw FormatError(std::string(source) + ": expected one JSON object, got " +

@@ -76,8 +76,8 @@ std::optional<geometry::ConfidenceBox> confidence_box(const ConfidenceCalibratio
                                                       const geometry::BoxSamples& samples,
                                                       double p);
 
-/// Those for several p, in the order asked for and nested where p rises; a p that cannot be promised
-/// is left out. The family is made once.
+/// Those for several p, in the order asked for and nested where p rises; a p that cannot be
+/// promised is left out. The family is made once.
 std::vector<geometry::ConfidenceBox> confidence_boxes(const ConfidenceCalibration& calibration,
                                                       const std::string& label,
                                                       const geometry::BoxSamples& samples,

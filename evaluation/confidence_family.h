@@ -7,8 +7,8 @@
 #include "arbox/geometry/quantile_box.h"
 
 /// \file
-/// The boxes among which a confidence box is chosen: quantile boxes of one object for a q that falls
-/// to 0, then the q = 0 box grown about its centre.
+/// The boxes among which a confidence box is chosen: quantile boxes of one object for a q that
+/// falls to 0, then the q = 0 box grown about its centre.
 ///
 /// One number tells them apart, the extent: up to 1 it is 1 - q, above 1 the factor by which the
 /// q = 0 box is grown. A box of larger extent contains all of smaller extent, so that "contains the
@@ -41,8 +41,8 @@ class ConfidenceFamily {
   geometry::Box box(double extent) const;
 
   /// The least extent whose box covers more than min_iog of `truth`: a 1 - q, or a factor from 1.01
-  /// to 10 in steps of 0.01; infinity if even the factor 10 is too small. Throws InvalidArgument for
-  /// an invalid box.
+  /// to 10 in steps of 0.01; infinity if even the factor 10 is too small. Throws InvalidArgument
+  /// for an invalid box.
   double extent_containing(const geometry::Box& truth, double min_iog = kContainedIog) const;
 
  private:

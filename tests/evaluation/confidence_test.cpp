@@ -175,8 +175,8 @@ TEST(ConfidenceCalibration, BoxesOfHigherProbabilityContainThoseOfLower) {
   for (std::uint64_t i = 0; i < 60; ++i) made.push_back(made_object(i, 3.0));
   const auto objects = view_of(made, "Car");
   const auto calibration = calibrate_confidence(objects, "made", {.family = coarse()});
-  const auto boxes = confidence_boxes(calibration, "Car", objects[0].samples,
-                                      std::vector{0.1, 0.5, 0.8, 0.95});
+  const auto boxes =
+      confidence_boxes(calibration, "Car", objects[0].samples, std::vector{0.1, 0.5, 0.8, 0.95});
   ASSERT_EQ(boxes.size(), 4u);
   for (std::size_t k = 1; k < boxes.size(); ++k) {
     for (const Eigen::Vector3d& corner : geometry::corners(boxes[k - 1].box)) {
@@ -217,11 +217,11 @@ TEST(ConfidenceCalibration, ExtentEqualsTheConformalThreshold) {
 }
 
 ConfidenceCalibration small_calibration() {
-  return {.source = "made \"scans\", 3",
-          .min_iog = 0.9,
-          .family = {.quantiles = {0.7, 0.1, 0.0}, .quantile_box = {.points_per_box = 27,
-                                                                    .seed = 9}},
-          .classes = {{"Car", {{0.3, 4}, {1.07, 2}, {kInfinity, 1}}}, {"Van", {{1.0, 1}}}}};
+  return {
+      .source = "made \"scans\", 3",
+      .min_iog = 0.9,
+      .family = {.quantiles = {0.7, 0.1, 0.0}, .quantile_box = {.points_per_box = 27, .seed = 9}},
+      .classes = {{"Car", {{0.3, 4}, {1.07, 2}, {kInfinity, 1}}}, {"Van", {{1.0, 1}}}}};
 }
 
 TEST(CalibrationJson, ReadsBackAsTheSame) {

@@ -87,19 +87,20 @@ Bound bound(const OverlapBox& box) {
 void require_measurable(std::span<const Box> boxes, OverlapSpace space, std::string_view where) {
   require_valid(boxes, where);
   for (std::size_t row = 0; row < boxes.size(); ++row) {
-    std::ostringstream problem;
     const Eigen::Vector3d& size = boxes[row].size;
-    if (size.minCoeff() < kSmallest || size.maxCoeff() > kLargest) {
+    const bool too_small_or_large = size.minCoeff() < kSmallest || size.maxCoeff() > kLargest;
+    const bool tilted = space == OverlapSpace::kBirdsEye && !is_yaw_only(boxes[row], kBirdsEyeTilt);
+    if (!too_small_or_large && !tilted) continue;
+    std::ostringstream problem;
+    problem << where << ": box in row " << row << ": ";
+    if (too_small_or_large) {
       problem << "sizes must lie in [1e-40, 1e40] m, got " << size.transpose();
-    } else if (space == OverlapSpace::kBirdsEye && !is_yaw_only(boxes[row], kBirdsEyeTilt)) {
+    } else {
       problem << "bird's-eye overlap asks for rotations about +z, got the quaternion "
               << boxes[row].rotation.coeffs().transpose()
               << " (x y z w); use the overlap in full 3-D, or the boxes' yaw alone";
-    } else {
-      continue;
     }
-    throw InvalidArgument(std::string(where) + ": box in row " + std::to_string(row) + ": " +
-                          problem.str());
+    throw InvalidArgument(problem.str());
   }
 }
 

@@ -128,6 +128,10 @@ std::vector<std::vector<QuantileBox>> quantile_boxes(std::span<const BoxSamples>
 std::vector<ConfidenceBox> confidence_boxes(const BoxSamples& samples, std::span<const double> ps,
                                             const QuantileOptions& options = {});
 
+/// U = 1 - IoU of two quantile boxes of one object, in [0, 1]: how far apart the core and the hull
+/// of its distribution are (paper, section 4.3; it takes q = 0.2 and 0.8).
+double quantile_uncertainty(const Box& first, const Box& second);
+
 /// G = product of the standard deviations of the three sizes over the product of their means: the
 /// measure that the paper compares U with. Means must be above zero, deviations at least zero.
 double gaussian_uncertainty(const Eigen::Vector3d& size_deviation,

@@ -2,9 +2,14 @@
 
 #include "arbox/base/error.h"
 #include "arbox/geometry/internal/sample_set.h"
+#include "arbox/geometry/overlap.h"
 #include "arbox/geometry/quantile_box.h"
 
 namespace arbox::geometry {
+
+double quantile_uncertainty(const Box& first, const Box& second) {
+  return 1.0 - overlap(first, second);
+}
 
 double gaussian_uncertainty(const Eigen::Vector3d& size_deviation,
                             const Eigen::Vector3d& size_mean) {

@@ -326,6 +326,25 @@ TEST(QuantileBox, ConfidenceBoxesAreQuantileBoxes) {
   }
 }
 
+TEST(QuantileBox, UncertaintyIsOneMinusTheOverlapOfCoreAndHull) {
+  EXPECT_NEAR(quantile_uncertainty(make_yaw_box({0, 0, 0}, {4, 2, 2}, 0.3),
+                                   make_yaw_box({0, 0, 0}, {4, 2, 1}, 0.3)),
+              0.5, 1e-12);
+  std::mt19937_64 random(67);
+  double before = -1;
+  for (const double spread : {0.0, 0.05, 0.2, 0.8}) {
+    double mean = 0;
+    for (int object = 0; object < 10; ++object) {
+      const auto samples = scattered_samples(random, 32, spread, false);
+      const auto boxes = quantile_boxes(samples, std::vector{0.2, 0.8});
+      mean += quantile_uncertainty(boxes[0].box, boxes[1].box) / 10;
+    }
+    EXPECT_GT(mean, before) << spread;
+    EXPECT_LE(mean, 1.0);
+    before = spread > 0 ? mean : 1e-9;
+  }
+}
+
 TEST(QuantileBox, GaussianUncertainty) {
   EXPECT_DOUBLE_EQ(gaussian_uncertainty(Vector3d(0.1, 0.2, 0.3), Vector3d(1, 2, 3)), 1e-3);
   const std::vector<Box> samples = {make_yaw_box({0, 0, 0}, {1, 1, 1}, 0),

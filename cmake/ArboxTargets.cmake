@@ -29,11 +29,39 @@ function(arbox_compile_options target)
   endif()
 endfunction()
 
+# arbox_install(component target [used targets...])
+# Installs and exports a target as arbox::<component>, and notes what find_package must load for it:
+# the components that it uses, and the packages of its public third-party targets.
+function(arbox_install component target)
+  set(needs "")
+  set(packages "")
+  foreach(used IN LISTS ARGN)
+    if(used MATCHES "^arbox::(.+)$")
+      list(APPEND needs ${CMAKE_MATCH_1})
+    elseif(used STREQUAL "Eigen3::Eigen")
+      list(APPEND packages Eigen3)
+    elseif(used MATCHES "^torch$")
+      list(APPEND packages Torch)
+    endif()
+  endforeach()
+  set_property(GLOBAL APPEND PROPERTY arbox_components ${component})
+  set_property(GLOBAL APPEND_STRING PROPERTY arbox_component_table
+    "set(arbox_needs_${component} \"${needs}\")\nset(arbox_packages_${component} \"${packages}\")\n")
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${component})
+  install(TARGETS ${target} EXPORT arbox-${component}
+    RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${component}
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component}
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component})
+  install(EXPORT arbox-${component} NAMESPACE arbox:: FILE arbox-${component}-targets.cmake
+    DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/arbox" COMPONENT ${component})
+endfunction()
+
 # arbox_library(room SOURCES ... [PUBLIC targets...] [PRIVATE targets...])
 # One room is one library: target arbox_<room>, alias arbox::<room>, install component <room>.
 function(arbox_library room)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   set(target arbox_${room})
+  file(RELATIVE_PATH folder "${CMAKE_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
   add_library(${target} ${ARG_SOURCES})
   add_library(arbox::${room} ALIAS ${target})
   arbox_compile_options(${target})
@@ -42,15 +70,11 @@ function(arbox_library room)
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   set_target_properties(${target} PROPERTIES
-    EXPORT_NAME ${room} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
-  install(TARGETS ${target} EXPORT arbox-${room}
-    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${room}
-    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${room})
+    VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
+  arbox_install(${room} ${target} ${ARG_PUBLIC} ${ARG_PRIVATE})
   install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/"
-    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/arbox/${room}" COMPONENT ${room}
+    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/arbox/${folder}" COMPONENT ${room}
     FILES_MATCHING PATTERN "*.h" PATTERN "internal" EXCLUDE)
-  install(EXPORT arbox-${room} NAMESPACE arbox:: FILE arbox-${room}-targets.cmake
-    DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/arbox" COMPONENT ${room})
 endfunction()
 
 # arbox_simd_sources(target file.cpp...)

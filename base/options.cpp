@@ -112,7 +112,9 @@ bool allowed(const Scalar& value, const OptionField& field) {
 }
 
 std::string choice_list(const OptionField& field) {
-  return "one of " + join({field.choices.begin(), field.choices.end()}, ", ");
+  std::vector<std::string> words;
+  for (const std::string_view word : field.choices) words.push_back(quoted_text(word));
+  return "one of " + join(words, ", ");
 }
 
 std::string range_text(const OptionField& field) {

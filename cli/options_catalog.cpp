@@ -4,12 +4,17 @@
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/program_registry.h"
 #include "arbox/drawing/scene.h"
+#include "arbox/geometry/quantile_box.h"
+#include "arbox/io/point_cloud_file.h"
 
 namespace arbox::cli {
 
 std::vector<CatalogEntry> options_catalog() {
   std::vector<CatalogEntry> catalog = {
-      {"scene", "Pictures of scans with boxes", make_options<drawing::SceneOptions>},
+      {"quantile_box", "Quantile boxes of box samples", &make_options<geometry::QuantileOptions>},
+      {"read_cloud", "How a point cloud is read", &make_options<io::ReadOptions>},
+      {"scene", "How a scene is drawn", &make_options<drawing::SceneOptions>},
+      {"write_cloud", "How a point cloud is written", &make_options<io::WriteOptions>},
   };
   for (const RegistryEntry& entry : program_registry().entries()) {
     catalog.push_back({entry.kind + "/" + entry.name, entry.help, entry.options});

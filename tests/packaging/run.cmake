@@ -35,7 +35,8 @@ run("" ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${PREFIX}")
 run("" ${configure} -S "${HERE}/consumer" -B "${WORK}/consumer")
 run("" ${CMAKE_COMMAND} --build "${WORK}/consumer")
 file(WRITE "${WORK}/boxes.csv" "0,0,0,4,2,2,0\n1,0,0,4,2,2,0\n")
-run("iou 0.6" "${WORK}/consumer/consumer" "${WORK}/boxes.csv")
+file(WRITE "${WORK}/cloud.csv" "x,y,z\n1,2,3\n4,5,6\n")
+run("iou 0.6, points 2, auc 1" "${WORK}/consumer/consumer" "${WORK}/boxes.csv" "${WORK}/cloud.csv")
 run("detector nothing, version 1.0.0"
   "${PREFIX}/bin/arbox" plugins check "${WORK}/consumer/libarbox_detector_nothing.so")
 

@@ -19,7 +19,8 @@ class Nothing : public arbox::detectors::Detector {
 
 void register_nothing(arbox::Registrar& registrar) {
   registrar.add<arbox::detectors::DetectorKind, NothingOptions>(
-      "nothing", "Finds nothing", [](const NothingOptions&) { return std::make_unique<Nothing>(); });
+      "nothing", "Finds nothing",
+      [](const NothingOptions&) { return std::make_unique<Nothing>(); });
 }
 
 }  // namespace

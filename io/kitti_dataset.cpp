@@ -50,12 +50,6 @@ void require_whole_points(const fs::path& path, std::uintmax_t bytes) {
                     std::to_string(bytes) + " bytes");
 }
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text.append(text.empty() ? "" : ", ").append(name);
-  return text.empty() ? "none" : text;
-}
-
 }  // namespace
 
 std::vector<std::string> parse_kitti_split(std::string_view text, std::string_view source) {
@@ -126,8 +120,8 @@ std::vector<std::string> KittiDataset::splits() const {
 std::vector<std::string> KittiDataset::frames(std::string_view split) const {
   const auto known = splits();
   if (std::find(known.begin(), known.end(), split) == known.end()) {
-    throw InvalidArgument(root_.string() + ": expected one of the splits " + joined(known) +
-                          ", got " + internal::quoted_text(split));
+    throw InvalidArgument(root_.string() + ": expected one of the splits " +
+                          internal::joined(known, ", ") + ", got " + internal::quoted_text(split));
   }
   const fs::path list = root_ / "ImageSets" / (std::string(split) + ".txt");
   return fs::exists(list) ? read_kitti_split(list) : frames_in(root_ / split);

@@ -10,12 +10,6 @@
 namespace arbox::io::internal {
 namespace {
 
-std::string quoted_list(const std::vector<std::string_view>& names) {
-  std::string text;
-  for (const auto name : names) text.append(text.empty() ? "" : ", ").append(name);
-  return text;
-}
-
 std::string without_prefix(const std::string& message) {
   std::string text = message.substr(std::min(message.find("] ") + 2, message.size()));
   const std::size_t syntax = text.find("syntax error");
@@ -75,7 +69,7 @@ void JsonCursor::require_object(const std::vector<std::string_view>& known) cons
   require_object();
   for (auto item = value_->begin(); item != value_->end(); ++item) {
     if (std::find(known.begin(), known.end(), item.key()) == known.end()) {
-      throw FormatError(place_ + ": expected keys among " + quoted_list(known) + ", got " +
+      throw FormatError(place_ + ": expected keys among " + joined(known, ", ") + ", got " +
                         quoted_text(item.key()));
     }
   }

@@ -27,6 +27,14 @@ struct TextPlace {
 /// The text in quotation marks, unprintable bytes escaped, shortened if it is long.
 std::string quoted_text(std::string_view text);
 
+/// The words with `separator` between them.
+template <class Words>
+std::string joined(const Words& words, std::string_view separator) {
+  std::string text;
+  for (const auto& word : words) text.append(text.empty() ? "" : separator).append(word);
+  return text;
+}
+
 /// Walks over the lines of a text; accepts \n and \r\n and skips a UTF-8 byte order mark.
 class LineReader {
  public:

@@ -22,7 +22,8 @@ void copy_match(char* to, std::size_t distance, std::size_t length) {
     std::memset(to, to[-1], length);
   } else {
     // Source and target overlap on purpose: the copy repeats the last `distance` bytes.
-    for (std::size_t i = 0; i < length; ++i) to[i] = to[i - distance];
+    const char* from = to - distance;
+    for (std::size_t i = 0; i < length; ++i) to[i] = from[i];
   }
 }
 

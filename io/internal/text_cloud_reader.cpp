@@ -165,6 +165,8 @@ PointCloudFile parse_text_cloud(std::string_view content, const std::string& nam
   text.read();
   if (text.width() == 0) fail(name, "expected rows of numbers, got none");
   if (!text.names().empty()) require_no_channels(name, options);
+  // Columns of a header without rows point into memory too.
+  text.values.reserve(text.width());
   std::vector<Column> columns(text.width());
   for (std::size_t c = 0; c < columns.size(); ++c) {
     columns[c].type = NumberType::kFloat64;

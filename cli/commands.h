@@ -14,6 +14,7 @@ void add_config(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_info(CLI::App& app);
 void add_overlap(CLI::App& app);
+void add_detect(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_plugins(CLI::App& app);
 void add_view(CLI::App& app);

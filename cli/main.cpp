@@ -7,6 +7,7 @@ void add_commands(CLI::App& app) {
   using namespace arbox::cli;
   add_config(app);
   add_convert(app);
+  add_detect(app);
   add_info(app);
   add_overlap(app);
   add_evaluate(app);

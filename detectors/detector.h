@@ -12,9 +12,9 @@ namespace arbox::detectors {
 /// What a caller wants beside class, score and most likely box.
 struct DetectionRequest {
   /// Quantile boxes at these q in (0, 1).
-  std::vector<double> quantiles;
+  std::vector<double> quantiles = {};
   /// Calibrated confidence boxes at these p in (0, 1).
-  std::vector<double> confidences;
+  std::vector<double> confidences = {};
   /// Detections below this score are left out.
   double score = 0.0;
   /// Keep the box samples in each detection.

@@ -13,8 +13,10 @@ namespace arbox::cli {
 void add_config(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_info(CLI::App& app);
+void add_nms(CLI::App& app);
 void add_overlap(CLI::App& app);
 void add_detect(CLI::App& app);
+void add_quantile_box(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_plugins(CLI::App& app);
 void add_view(CLI::App& app);

@@ -9,7 +9,9 @@ void add_commands(CLI::App& app) {
   add_convert(app);
   add_detect(app);
   add_info(app);
+  add_nms(app);
   add_overlap(app);
+  add_quantile_box(app);
   add_evaluate(app);
   add_plugins(app);
   add_view(app);

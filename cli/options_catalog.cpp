@@ -4,6 +4,7 @@
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/program_registry.h"
 #include "arbox/drawing/scene.h"
+#include "arbox/geometry/nms.h"
 #include "arbox/geometry/quantile_box.h"
 #include "arbox/io/point_cloud_file.h"
 
@@ -11,6 +12,7 @@ namespace arbox::cli {
 
 std::vector<CatalogEntry> options_catalog() {
   std::vector<CatalogEntry> catalog = {
+      {"nms", "Non-maximum suppression", &make_options<geometry::NmsOptions>},
       {"quantile_box", "Quantile boxes of box samples", &make_options<geometry::QuantileOptions>},
       {"read_cloud", "How a point cloud is read", &make_options<io::ReadOptions>},
       {"scene", "How a scene is drawn", &make_options<drawing::SceneOptions>},

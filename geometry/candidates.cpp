@@ -14,11 +14,10 @@ namespace {
 constexpr double kMargin = 1e-9;
 
 OverlapSpace space_of(const NmsOptions& options) {
-  if (options.space == "birds_eye") return OverlapSpace::kBirdsEye;
+  if (options.space == "bev") return OverlapSpace::kBirdsEye;
   if (options.space == "3d") return OverlapSpace::k3d;
-  if (options.space == "axis_aligned") return OverlapSpace::kAxisAligned;
-  throw InvalidArgument("nms: space must be birds_eye, 3d or axis_aligned, got '" + options.space +
-                        "'");
+  if (options.space == "axis-aligned") return OverlapSpace::kAxisAligned;
+  throw InvalidArgument("nms: space must be bev, 3d or axis-aligned, got '" + options.space + "'");
 }
 
 void require_length(std::size_t length, std::size_t boxes, const std::string& name) {

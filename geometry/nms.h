@@ -17,9 +17,9 @@ namespace arbox::geometry {
 struct NmsOptions {
   /// A box goes if its IoU with a better one that stayed is above this.
   double threshold = 0.1;
-  /// Where IoU is taken: `birds_eye` (yaw-only boxes from above), `3d` (any rotation) or
-  /// `axis_aligned` (rotations ignored, volumes).
-  std::string space = "birds_eye";
+  /// Where IoU is taken: `bev` (yaw-only boxes from above), `3d` (any rotation) or
+  /// `axis-aligned` (rotations ignored, volumes).
+  std::string space = "bev";
   /// Boxes of different classes never suppress each other.
   bool class_aware = false;
   /// Boxes with a lower score are left out at once; with Soft-NMS also when they sink below it.
@@ -42,7 +42,7 @@ struct NmsOptions {
         "threshold", &NmsOptions::threshold,
         {.help = "IoU above which the box with the lower score goes", .low = 0, .high = 1});
     visitor.field("space", &NmsOptions::space,
-                  {.help = "Where boxes meet", .choices = {"birds_eye", "3d", "axis_aligned"}});
+                  {.help = "Where boxes meet", .choices = {"bev", "3d", "axis-aligned"}});
     visitor.field("class_aware", &NmsOptions::class_aware,
                   {.help = "Let only boxes of the same class suppress each other"});
     visitor.field("minimum_score", &NmsOptions::minimum_score,

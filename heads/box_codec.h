@@ -51,6 +51,9 @@ class BoxCodec {
   /// known size needs them to come first; other orders are refused there with that reason.
   virtual std::vector<int> size_components() const = 0;
 
+  /// Whether decoded boxes turn about z alone, given references that do.
+  virtual bool upright() const = 0;
+
   /// sizes (N, K, 3) metres -> (N, K, 3) values of size_components().
   virtual at::Tensor encode_sizes(const at::Tensor& sizes, const References& references) const = 0;
 };

@@ -35,7 +35,7 @@ class BoxDistribution {
   virtual Measure measure() const = 0;
 
   /// The most likely boxes by beam search (section 4.1), best first; K <= beam_width. Vectors that
-  /// decode to the same physical box may both appear.
+  /// decode to the same physical box may both appear; each has the density of its vector alone.
   virtual Draws mode(int beam_width) const = 0;
 
   /// `count` independent draws of each object. Heads without a distribution repeat their one box.
@@ -55,5 +55,16 @@ class BoxDistribution {
   /// NotAvailable if the codec's order does not put the size first.
   virtual std::unique_ptr<BoxDistribution> given_sizes(const at::Tensor& sizes) const = 0;
 };
+
+/// (N): entropy of each object's vectors, nats, estimated from `draws` draws as the mean of
+/// -log density. Throws NotAvailable where measure() is kNone.
+at::Tensor entropy(const BoxDistribution& distribution, int draws, const Streams& streams);
+
+/// \name Checks of arguments that every distribution makes; they throw InvalidArgument.
+/// @{
+void require_beam_width(int width);
+void require_draws(int count, const Streams& streams, double temperature, std::int64_t objects);
+void require_sizes(const at::Tensor& sizes, std::int64_t objects);
+/// @}
 
 }  // namespace arbox::heads

@@ -50,6 +50,7 @@ class QuartileCodec : public BoxCodec {
   at::Tensor decode(const at::Tensor& components, const References& references) const override;
   ComponentSet equivalents(const at::Tensor& boxes, const References& references) const override;
   std::vector<int> size_components() const override { return {0, 1, 2}; }
+  bool upright() const override { return false; }
   at::Tensor encode_sizes(const at::Tensor& sizes, const References& references) const override;
 
  private:

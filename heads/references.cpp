@@ -13,6 +13,10 @@ References References::select(const at::Tensor& index) const {
           size.index_select(0, index)};
 }
 
+References References::detached(at::ScalarType type) const {
+  return {origin.detach().to(type), rotation.detach().to(type), size.detach().to(type)};
+}
+
 void References::require_valid(const char* where) const {
   const auto fits = [&](const at::Tensor& tensor, std::int64_t columns) {
     return tensor.defined() && tensor.dim() == 2 && tensor.size(1) == columns &&

@@ -22,6 +22,9 @@ struct References {
   /// The rows of `index` (int64, (K)).
   References select(const at::Tensor& index) const;
 
+  /// The same numbers without gradient.
+  References detached(at::ScalarType type = at::kFloat) const;
+
   /// Throws InvalidArgument, naming `where` and the shapes, unless origin (N, 3), rotation (N, 4)
   /// and size (N, 3) agree.
   void require_valid(const char* where) const;

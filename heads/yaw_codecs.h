@@ -56,6 +56,7 @@ class YawCodec : public BoxCodec {
   at::Tensor decode(const at::Tensor& components, const References& references) const override;
   ComponentSet equivalents(const at::Tensor& boxes, const References& references) const override;
   std::vector<int> size_components() const override;
+  bool upright() const override { return true; }
   at::Tensor encode_sizes(const at::Tensor& sizes, const References& references) const override;
   const YawCodecOptions& options() const { return options_; }
 

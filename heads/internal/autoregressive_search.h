@@ -42,4 +42,11 @@ Vectors sample(std::span<const ComponentWeights> components, const FeatureRows& 
 Vectors beam_search(std::span<const ComponentWeights> components, const FeatureRows& features,
                     std::int32_t width, const KnownPrefix& known, const SearchOptions& options);
 
+/// (objects, count): log probability of given vectors, whose values (objects, count, D) lie on
+/// bins from component `known` on.
+std::vector<float> log_probability(std::span<const ComponentWeights> components,
+                                   const FeatureRows& features, std::span<const float> values,
+                                   std::int32_t count, std::int32_t known,
+                                   const SearchOptions& options);
+
 }  // namespace arbox::heads::internal

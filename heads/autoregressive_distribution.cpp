@@ -1,0 +1,148 @@
+#include "arbox/heads/autoregressive_distribution.h"
+
+#include <ATen/TensorOperators.h>
+#include <ATen/ops/cat.h>
+#include <ATen/ops/empty.h>
+#include <ATen/ops/zeros.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "arbox/base/error.h"
+#include "arbox/heads/box_tensor.h"
+#include "arbox/heads/internal/autoregressive_search.h"
+#include "arbox/heads/internal/component_math.h"
+
+namespace arbox::heads {
+namespace {
+
+using at::Tensor;
+
+constexpr int kDrawsOfMean = 256;
+
+Tensor tensor_of(const std::vector<float>& values, at::IntArrayRef shape) {
+  Tensor result = at::empty(shape, at::kFloat);
+  std::copy(values.begin(), values.end(), result.data_ptr<float>());
+  return result;
+}
+
+internal::FeatureRows feature_rows(const Tensor& inputs) {
+  return {inputs.data_ptr<float>(), inputs.size(0), static_cast<std::int32_t>(inputs.size(1))};
+}
+
+/// Log of the volume of a cell of the components from `first` on.
+double log_cell(std::span<const Component> components, std::int32_t first) {
+  double sum = 0.0;
+  for (const Component& one : components.subspan(first)) sum += std::log(one.step());
+  return sum;
+}
+
+internal::KnownPrefix known_prefix(const Tensor& known) {
+  if (!known.defined()) return {};
+  return {{known.data_ptr<float>(), static_cast<std::size_t>(known.numel())},
+          static_cast<std::int32_t>(known.size(1))};
+}
+
+Draws draws_of(const internal::Vectors& vectors, const AutoregressiveModel& model,
+               const References& references, std::int32_t known) {
+  Draws draws;
+  draws.components =
+      tensor_of(vectors.values, {vectors.objects, vectors.count, vectors.components});
+  draws.log_density = tensor_of(vectors.log_probability, {vectors.objects, vectors.count}) -
+                      log_cell(model.codec->components(), known);
+  draws.boxes = model.codec->decode(draws.components, references);
+  return draws;
+}
+
+}  // namespace
+
+AutoregressiveDistribution::AutoregressiveDistribution(
+    std::shared_ptr<const AutoregressiveModel> model, Tensor inputs, References references,
+    Tensor known)
+    : model_(std::move(model)),
+      inputs_(inputs.detach().to(at::kFloat).contiguous()),
+      references_(references.detached()),
+      known_(known.defined() ? known.detach().to(at::kFloat).contiguous() : known) {}
+
+std::int32_t AutoregressiveDistribution::known_count() const {
+  return known_.defined() ? static_cast<std::int32_t>(known_.size(1)) : 0;
+}
+
+Draws AutoregressiveDistribution::mode(int beam_width) const {
+  require_beam_width(beam_width);
+  std::int64_t vectors = 1;
+  for (std::size_t i = known_count(); i < model_->components.size(); ++i) {
+    vectors = std::min<std::int64_t>(beam_width, vectors * model_->components[i].bins());
+  }
+  return draws_of(internal::beam_search(model_->components, feature_rows(inputs_),
+                                        static_cast<std::int32_t>(vectors), known_prefix(known_),
+                                        {.threads = model_->threads}),
+                  *model_, references_, known_count());
+}
+
+Draws AutoregressiveDistribution::sample(int count, const Streams& streams,
+                                         double temperature) const {
+  require_draws(count, streams, temperature, size());
+  const Tensor ids = streams.object_ids.contiguous();
+  return draws_of(
+      internal::sample(model_->components, feature_rows(inputs_),
+                       {ids.data_ptr<std::int64_t>(), static_cast<std::size_t>(ids.numel())},
+                       streams.seed, count, temperature, known_prefix(known_),
+                       {.threads = model_->threads}),
+      *model_, references_, known_count());
+}
+
+Tensor AutoregressiveDistribution::mean() const {
+  const Draws draws = sample(kDrawsOfMean, {0, at::zeros({size()}, at::kLong)}, 1.0);
+  const Tensor mean = internal::mean_of_values(draws.components, model_->codec->components());
+  return model_->codec->decode(mean.unsqueeze(1), references_).select(1, 0);
+}
+
+Tensor AutoregressiveDistribution::log_probability(const Tensor& values) const {
+  const auto rows = values.to(at::kFloat).contiguous();
+  return tensor_of(
+      internal::log_probability(model_->components, feature_rows(inputs_),
+                                {rows.data_ptr<float>(), static_cast<std::size_t>(rows.numel())},
+                                static_cast<std::int32_t>(rows.size(1)), known_count(),
+                                {.threads = model_->threads}),
+      {rows.size(0), rows.size(1)});
+}
+
+Tensor AutoregressiveDistribution::log_density(const Tensor& boxes) const {
+  require_boxes(boxes, "log_density");
+  const auto components = model_->codec->components();
+  const ComponentSet set = model_->codec->equivalents(boxes.detach().to(at::kFloat), references_);
+  const Tensor bins = quantize(set.values, components, model_->circular_ends);
+  Tensor outside = overflows(set.values, components);
+  Tensor mask = internal::distinct_vectors(bins, set.mask);
+  Tensor values = dequantize(bins, components);
+  if (known_.defined()) {
+    mask = internal::of_sizes(set.values, mask, *model_->codec, known_);
+    values = internal::with_sizes(values, *model_->codec, known_);
+    outside = outside.slice(-1, known_count());
+  }
+  mask = mask.logical_and(outside.any(-1).logical_not());
+  return internal::masked_log_sum(log_probability(values), mask) -
+         log_cell(components, known_count());
+}
+
+std::unique_ptr<BoxDistribution> AutoregressiveDistribution::select(const Tensor& index) const {
+  return std::make_unique<AutoregressiveDistribution>(
+      model_, inputs_.index_select(0, index), references_.select(index),
+      known_.defined() ? known_.index_select(0, index) : known_);
+}
+
+std::unique_ptr<BoxDistribution> AutoregressiveDistribution::given_sizes(
+    const Tensor& sizes) const {
+  if (model_->codec->size_components() != std::vector{0, 1, 2}) {
+    throw NotAvailable(
+        "given_sizes: this model's codec does not predict the size first (order "
+        "size_center_rotation), so that the rest cannot be conditioned on it");
+  }
+  require_sizes(sizes, size());
+  return std::make_unique<AutoregressiveDistribution>(
+      model_, inputs_, references_, internal::size_values(sizes, *model_->codec, references_));
+}
+
+}  // namespace arbox::heads

@@ -1,9 +1,11 @@
 #include "arbox/drawing/image.h"
 
+#include <png.h>
+#include <turbojpeg.h>
+
 #include <algorithm>
 #include <cctype>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
+#include <memory>
 
 #include "arbox/base/error.h"
 #include "arbox/io/file.h"
@@ -12,6 +14,7 @@ namespace arbox::drawing {
 namespace {
 
 constexpr int kMaxSide = 16384;
+constexpr int kJpegQuality = 95;
 
 std::string lower_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -20,15 +23,83 @@ std::string lower_extension(const std::filesystem::path& path) {
   return extension;
 }
 
+std::string encode_as_png(const Image& image) {
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  header.width = static_cast<png_uint_32>(image.width);
+  header.height = static_cast<png_uint_32>(image.height);
+  header.format = PNG_FORMAT_RGB;
+  png_alloc_size_t size = 0;
+  std::string bytes;
+  bool written =
+      png_image_write_to_memory(&header, nullptr, &size, 0, image.pixels.data(), 0, nullptr) != 0;
+  if (written) {
+    bytes.resize(size);
+    written = png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0,
+                                        nullptr) != 0;
+  }
+  if (!written) throw IoError(std::string("write_image: PNG: ") + header.message);
+  bytes.resize(size);
+  return bytes;
+}
+
+std::string encode_as_jpeg(const Image& image) {
+  const std::unique_ptr<void, int (*)(tjhandle)> codec(tjInitCompress(), tjDestroy);
+  unsigned char* data = nullptr;
+  unsigned long size = 0;  // NOLINT: the type of the library's interface
+  const int failed = tjCompress2(codec.get(), image.pixels.data(), image.width, 0, image.height,
+                                 TJPF_RGB, &data, &size, TJSAMP_444, kJpegQuality, 0);
+  const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(data, tjFree);
+  if (failed != 0) throw IoError(std::string("write_image: JPEG: ") + tjGetErrorStr2(codec.get()));
+  return {data, data + size};
+}
+
 std::string encode(const Image& image, const std::string& extension) {
   if (image.empty()) throw InvalidArgument("write_image: the image has no pixels");
-  const cv::Mat rgb(image.height, image.width, CV_8UC3,
-                    const_cast<std::uint8_t*>(image.pixels.data()));
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(extension, bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, 95});
-  return {bytes.begin(), bytes.end()};
+  return extension == ".png" ? encode_as_png(image) : encode_as_jpeg(image);
+}
+
+void require_side(const std::string& name, std::uint32_t width, std::uint32_t height) {
+  if (width >= 1 && height >= 1 && width <= kMaxSide && height <= kMaxSide) return;
+  throw FormatError(name + ": expected 1 to 16384 pixels a side, got " + std::to_string(width) +
+                    " x " + std::to_string(height));
+}
+
+Image decode_png(const std::string& name, const std::string& bytes) {
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  const std::unique_ptr<png_image, void (*)(png_imagep)> guard(&header, png_image_free);
+  if (png_image_begin_read_from_memory(&header, bytes.data(), bytes.size()) == 0) {
+    throw FormatError(name + ": broken PNG: " + header.message);
+  }
+  require_side(name, header.width, header.height);
+  header.format = PNG_FORMAT_RGB;
+  Image image(static_cast<int>(header.width), static_cast<int>(header.height), {});
+  const png_color black{};
+  if (png_image_finish_read(&header, &black, image.pixels.data(), 0, nullptr) == 0) {
+    throw FormatError(name + ": broken PNG: " + header.message);
+  }
+  return image;
+}
+
+Image decode_jpeg(const std::string& name, const std::string& bytes) {
+  const std::unique_ptr<void, int (*)(tjhandle)> codec(tjInitDecompress(), tjDestroy);
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  int width = 0, height = 0, subsampling = 0, colors = 0;
+  const auto refuse = [&] {
+    throw FormatError(name + ": broken JPEG: " + tjGetErrorStr2(codec.get()));
+  };
+  if (tjDecompressHeader3(codec.get(), data, bytes.size(), &width, &height, &subsampling,
+                          &colors) != 0) {
+    refuse();
+  }
+  require_side(name, static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height));
+  Image image(width, height, {});
+  if (tjDecompress2(codec.get(), data, bytes.size(), image.pixels.data(), width, 0, height,
+                    TJPF_RGB, TJFLAG_ACCURATEDCT) != 0) {
+    refuse();
+  }
+  return image;
 }
 
 }  // namespace
@@ -50,30 +121,9 @@ Image::Image(int image_width, int image_height, Color background)
 Image read_image(const std::filesystem::path& path) {
   const std::string bytes = io::read_file(path);
   if (bytes.empty()) throw FormatError(path.string() + ": expected an image, the file is empty");
-  // libpng would print its own message for a file that was cut.
-  if (bytes.starts_with("\x89PNG") && bytes.find("IEND") == std::string::npos) {
-    throw FormatError(path.string() + ": the PNG file ends after " + std::to_string(bytes.size()) +
-                      " bytes, before its last chunk");
-  }
-  cv::Mat decoded;
-  try {
-    const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1,
-                         const_cast<char*>(bytes.data()));
-    decoded = cv::imdecode(buffer, cv::IMREAD_COLOR);
-  } catch (const cv::Exception&) {
-    decoded.release();
-  }
-  if (decoded.empty()) {
-    throw FormatError(path.string() + ": expected a PNG, JPEG, BMP, TIFF or PPM image");
-  }
-  if (decoded.cols > kMaxSide || decoded.rows > kMaxSide) {
-    throw FormatError(path.string() + ": expected at most 16384 pixels a side, got " +
-                      std::to_string(decoded.cols) + " x " + std::to_string(decoded.rows));
-  }
-  Image image(decoded.cols, decoded.rows, {});
-  cv::Mat rgb(image.height, image.width, CV_8UC3, image.pixels.data());
-  cv::cvtColor(decoded, rgb, cv::COLOR_BGR2RGB);
-  return image;
+  if (bytes.starts_with("\x89PNG")) return decode_png(path.string(), bytes);
+  if (bytes.starts_with("\xff\xd8")) return decode_jpeg(path.string(), bytes);
+  throw FormatError(path.string() + ": expected a PNG or JPEG image");
 }
 
 void require_image_extension(const std::filesystem::path& path) {

@@ -29,7 +29,7 @@ struct Image {
   }
 };
 
-/// Reads a PNG, JPEG, BMP, TIFF or PPM file as 8-bit RGB. Throws IoError for a file that cannot be
+/// Reads a PNG or JPEG file as 8-bit RGB. Throws IoError for a file that cannot be
 /// read and FormatError for one that is no image or is larger than 16384 pixels on a side.
 Image read_image(const std::filesystem::path& path);
 

@@ -1,28 +1,27 @@
 #include "arbox/sparse/coordinates.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <string>
-#include <utility>
 
 #include "arbox/base/error.h"
+#include "arbox/sparse/internal/radix_sort.h"
 
 namespace arbox::sparse {
 namespace {
 
 constexpr std::int64_t kWidestAxis = std::int64_t{1} << 20;
-constexpr int kDigitBits = 11;
-
-struct Keyed {
-  std::uint64_t key;
-  std::int32_t row;
-};
+constexpr std::int32_t kFarthest = std::int32_t{1} << 30;
 
 int bits_for(std::int64_t extent) { return std::bit_width(static_cast<std::uint64_t>(extent)); }
 
 std::int64_t require_extent(const char* axis, std::int32_t low, std::int32_t high) {
   const std::int64_t extent = std::int64_t{high} - low;
+  if (low < -kFarthest || high > kFarthest) {
+    throw InvalidArgument(std::string("sparse coordinates: ") + axis + " runs from " +
+                          std::to_string(low) + " to " + std::to_string(high) +
+                          ", but values beyond +-2^30 are not allowed");
+  }
   if (extent < kWidestAxis) return extent;
   throw InvalidArgument(std::string("sparse coordinates: ") + axis + " runs from " +
                         std::to_string(low) + " to " + std::to_string(high) +
@@ -43,6 +42,15 @@ KeyLayout::KeyLayout(const Coordinate& low, const Coordinate& high, std::int32_t
   }
 }
 
+Coordinate KeyLayout::unpack(std::uint64_t key) const {
+  const auto value = [&](int shift, int next, std::int32_t low) {
+    const std::uint64_t mask = (std::uint64_t{1} << (next - shift)) - 1;
+    return static_cast<std::int32_t>(low + static_cast<std::int64_t>((key >> shift) & mask));
+  };
+  return {value(batch_shift_, 63, low_.batch), value(x_shift_, batch_shift_, low_.x),
+          value(y_shift_, x_shift_, low_.y), value(0, y_shift_, low_.z)};
+}
+
 CoordinateBounds bounds(std::span<const Coordinate> coordinates) {
   if (coordinates.empty()) return {};
   CoordinateBounds result{coordinates[0], coordinates[0]};
@@ -59,28 +67,34 @@ CoordinateBounds bounds(std::span<const Coordinate> coordinates) {
 SortedCoordinates sort_coordinates(std::span<const Coordinate> coordinates) {
   const auto [low, high] = bounds(coordinates);
   const KeyLayout layout(low, high, 0);
-  std::vector<Keyed> keyed(coordinates.size());
-  bool sorted = true;
+  std::vector<internal::Keyed> keyed(coordinates.size());
   for (std::size_t i = 0; i < keyed.size(); ++i) {
     keyed[i] = {layout.pack(coordinates[i]), static_cast<std::int32_t>(i)};
-    sorted = sorted && (i == 0 || keyed[i - 1].key <= keyed[i].key);
   }
-  std::vector<Keyed> other(sorted ? 0 : keyed.size());
-  for (int shift = 0; !sorted && shift < layout.bits(); shift += kDigitBits) {
-    std::array<std::uint32_t, (1 << kDigitBits)> starts{};
-    constexpr std::uint64_t mask = (1 << kDigitBits) - 1;
-    for (const Keyed& item : keyed) ++starts[(item.key >> shift) & mask];
-    std::uint32_t sum = 0;
-    for (std::uint32_t& start : starts) sum += std::exchange(start, sum);
-    for (const Keyed& item : keyed) other[starts[(item.key >> shift) & mask]++] = item;
-    keyed.swap(other);
-  }
+  internal::radix_sort(keyed, layout.bits());
   SortedCoordinates result;
   result.coordinates.resize(keyed.size());
   result.rows.resize(keyed.size());
   for (std::size_t i = 0; i < keyed.size(); ++i) {
     result.rows[i] = keyed[i].row;
     result.coordinates[i] = coordinates[keyed[i].row];
+  }
+  return result;
+}
+
+SortedCoordinates unique_coordinates(std::span<const Coordinate> coordinates) {
+  const auto [low, high] = bounds(coordinates);
+  const KeyLayout layout(low, high, 0);
+  std::vector<std::uint64_t> keys(coordinates.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = layout.pack(coordinates[i]);
+  internal::radix_sort(keys, layout.bits());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  SortedCoordinates result;
+  result.coordinates.resize(keys.size());
+  result.rows.resize(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    result.coordinates[i] = layout.unpack(keys[i]);
+    result.rows[i] = static_cast<std::int32_t>(i);
   }
   return result;
 }

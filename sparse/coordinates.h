@@ -25,13 +25,16 @@ struct SortedCoordinates {
 class KeyLayout {
  public:
   /// Covers `low` to `high`, both ends included, and `margin` voxels beyond on the three axes.
-  /// Throws InvalidArgument if an axis is wider than 2^20 voxels or the key wider than 63 bits.
+  /// Throws InvalidArgument if an axis is wider than 2^20 voxels, a value beyond +-2^30 or the key
+  /// wider than 63 bits.
   KeyLayout(const Coordinate& low, const Coordinate& high, std::int32_t margin);
 
   std::uint64_t pack(const Coordinate& c) const {
     return (field(c.batch, low_.batch) << batch_shift_) | (field(c.x, low_.x) << x_shift_) |
            (field(c.y, low_.y) << y_shift_) | field(c.z, low_.z);
   }
+  /// The coordinate that pack() turns into `key`.
+  Coordinate unpack(std::uint64_t key) const;
   /// The difference of the keys of two coordinates that differ by (dx, dy, dz).
   std::int64_t delta(std::int32_t dx, std::int32_t dy, std::int32_t dz) const {
     return (std::int64_t{dx} << x_shift_) + (std::int64_t{dy} << y_shift_) + dz;
@@ -57,5 +60,8 @@ CoordinateBounds bounds(std::span<const Coordinate> coordinates);
 /// Sorts by least-significant-digit radix sort: O(N) time, 24 N bytes of scratch memory. Equal
 /// coordinates keep their order. Throws as KeyLayout does.
 SortedCoordinates sort_coordinates(std::span<const Coordinate> coordinates);
+
+/// The distinct coordinates in sorted order; rows are 0, 1, 2, ... Throws as KeyLayout does.
+SortedCoordinates unique_coordinates(std::span<const Coordinate> coordinates);
 
 }  // namespace arbox::sparse

@@ -73,6 +73,43 @@ void column(const PairRun& run, int input_begin, int depth, int output_begin, co
   }
 }
 
+template <int kRows, int kVectors>
+inline void outer_block(const WeightGradientRun& run, int row, int begin) {
+  Vector sums[kRows][kVectors] = {};
+  for (std::int64_t p = 0; p < run.count; ++p) {
+    const float* input = run.inputs[p] + row;
+    const float* output = run.outputs[p] + begin;
+    Vector g[kVectors];
+#pragma GCC unroll 2
+    for (int v = 0; v < kVectors; ++v) g[v] = load(output + v * kLanes);
+#pragma GCC unroll 8
+    for (int r = 0; r < kRows; ++r) {
+      const float x = input[r];
+#pragma GCC unroll 2
+      for (int v = 0; v < kVectors; ++v) sums[r][v] += x * g[v];
+    }
+  }
+#pragma GCC unroll 8
+  for (int r = 0; r < kRows; ++r) {
+    float* to = run.gradient + std::int64_t{row + r} * run.out_columns + begin;
+#pragma GCC unroll 2
+    for (int v = 0; v < kVectors; ++v) {
+      store(to + v * kLanes, load(to + v * kLanes) + sums[r][v]);
+    }
+  }
+}
+
+template <int kVectors>
+void outer_products(const WeightGradientRun& run, int begin) {
+  constexpr int kMostRows = kLanes == 16 ? 8 : 4;
+  int row = 0;
+  for (; row + kMostRows <= run.in_channels; row += kMostRows) {
+    outer_block<kMostRows, kVectors>(run, row, begin);
+  }
+  for (; row + 2 <= run.in_channels; row += 2) outer_block<2, kVectors>(run, row, begin);
+  for (; row < run.in_channels; ++row) outer_block<1, kVectors>(run, row, begin);
+}
+
 int vectors_at(int output_begin, int columns) {
   const int left = (columns - output_begin) / kLanes;
   if (left >= kWidest) return kWidest;
@@ -83,15 +120,16 @@ int vectors_at(int output_begin, int columns) {
 
 std::int32_t lanes() { return kLanes; }
 
-void pack_weight(const float* weight, std::int32_t in_channels, std::int32_t out_channels,
-                 std::int32_t out_columns, float* packed) {
+void pack_weight(const WeightMatrix& weight, std::int32_t out_columns, float* packed) {
   for (int begin = 0; begin < out_columns;) {
     const int width = vectors_at(begin, out_columns) * kLanes;
-    for (int c = 0; c < in_channels; ++c) {
-      for (int j = 0; j < width; ++j) {
-        const int channel = begin + j;
-        *packed++ = channel < out_channels ? weight[std::int64_t{c} * out_channels + channel] : 0;
-      }
+    const int left = weight.out_channels - begin;
+    const int used = left < width ? left : width;
+    const float* from = weight.data + begin * weight.out_step;
+    for (int c = 0; c < weight.in_channels; ++c, packed += width) {
+      const float* row = from + c * weight.in_step;
+      for (int j = 0; j < used; ++j) packed[j] = row[j * weight.out_step];
+      for (int j = used; j < width; ++j) packed[j] = 0;
     }
     begin += width;
   }
@@ -119,45 +157,11 @@ void accumulate(const PairRun& run) {
 }
 
 void accumulate_weight_gradient(const WeightGradientRun& run) {
-  constexpr int kRows = 6;
-  const int whole = run.out_channels / kLanes * kLanes;
-  for (int row = 0; row < run.in_channels; row += kRows) {
-    const int rows = run.in_channels - row < kRows ? run.in_channels - row : kRows;
-    for (int begin = 0; begin < whole; begin += kLanes * 2) {
-      const bool two = begin + 2 * kLanes <= whole;
-      const int second = two ? begin + kLanes : begin;
-      Vector sums[kRows][2] = {};
-      for (std::int64_t p = 0; p < run.count; ++p) {
-        const Vector low = load(run.outputs[p] + begin), high = load(run.outputs[p] + second);
-        const float* input = run.inputs[p] + row;
-        if (rows == kRows) {
-#pragma GCC unroll 6
-          for (int r = 0; r < kRows; ++r) {
-            sums[r][0] += input[r] * low;
-            sums[r][1] += input[r] * high;
-          }
-        } else {
-          for (int r = 0; r < rows; ++r) {
-            sums[r][0] += input[r] * low;
-            sums[r][1] += input[r] * high;
-          }
-        }
-      }
-      for (int r = 0; r < rows; ++r) {
-        float* to = run.gradient + std::int64_t{row + r} * run.out_channels;
-        store(to + begin, load(to + begin) + sums[r][0]);
-        if (two) store(to + second, load(to + second) + sums[r][1]);
-      }
-    }
-    for (int channel = whole; channel < run.out_channels; ++channel) {
-      for (int r = 0; r < rows; ++r) {
-        float sum = 0;
-        for (std::int64_t p = 0; p < run.count; ++p) {
-          sum += run.inputs[p][row + r] * run.outputs[p][channel];
-        }
-        run.gradient[std::int64_t{row + r} * run.out_channels + channel] += sum;
-      }
-    }
+  for (int begin = 0; begin < run.out_columns;) {
+    const bool two = begin + 2 * kLanes <= run.out_columns;
+    if (two) outer_products<2>(run, begin);
+    if (!two) outer_products<1>(run, begin);
+    begin += two ? 2 * kLanes : kLanes;
   }
 }
 

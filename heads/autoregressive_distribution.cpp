@@ -50,8 +50,8 @@ Draws draws_of(const internal::Vectors& vectors, const AutoregressiveModel& mode
   draws.components =
       tensor_of(vectors.values, {vectors.objects, vectors.count, vectors.components});
   draws.log_density = tensor_of(vectors.log_probability, {vectors.objects, vectors.count}) -
-                      log_cell(model.codec->components(), known);
-  draws.boxes = model.codec->decode(draws.components, references);
+                      log_cell(model.codec().components(), known);
+  draws.boxes = model.codec().decode(draws.components, references);
   return draws;
 }
 
@@ -71,14 +71,15 @@ std::int32_t AutoregressiveDistribution::known_count() const {
 
 Draws AutoregressiveDistribution::mode(int beam_width) const {
   require_beam_width(beam_width);
+  const internal::PackedNetwork& network = model_->network();
   std::int64_t vectors = 1;
-  for (std::size_t i = known_count(); i < model_->components.size(); ++i) {
-    vectors = std::min<std::int64_t>(beam_width, vectors * model_->components[i].bins());
+  for (std::int32_t i = known_count(); i < network.size(); ++i) {
+    vectors = std::min<std::int64_t>(beam_width, vectors * network[i].bins);
   }
-  return draws_of(internal::beam_search(model_->components, feature_rows(inputs_),
-                                        static_cast<std::int32_t>(vectors), known_prefix(known_),
-                                        {.threads = model_->threads}),
-                  *model_, references_, known_count());
+  return draws_of(
+      internal::beam_search(network, feature_rows(inputs_), static_cast<std::int32_t>(vectors),
+                            known_prefix(known_), {.threads = model_->threads()}),
+      *model_, references_, known_count());
 }
 
 Draws AutoregressiveDistribution::sample(int count, const Streams& streams,
@@ -86,40 +87,40 @@ Draws AutoregressiveDistribution::sample(int count, const Streams& streams,
   require_draws(count, streams, temperature, size());
   const Tensor ids = streams.object_ids.contiguous();
   return draws_of(
-      internal::sample(model_->components, feature_rows(inputs_),
+      internal::sample(model_->network(), feature_rows(inputs_),
                        {ids.data_ptr<std::int64_t>(), static_cast<std::size_t>(ids.numel())},
                        streams.seed, count, temperature, known_prefix(known_),
-                       {.threads = model_->threads}),
+                       {.threads = model_->threads()}),
       *model_, references_, known_count());
 }
 
 Tensor AutoregressiveDistribution::mean() const {
   const Draws draws = sample(kDrawsOfMean, {0, at::zeros({size()}, at::kLong)}, 1.0);
-  const Tensor mean = internal::mean_of_values(draws.components, model_->codec->components());
-  return model_->codec->decode(mean.unsqueeze(1), references_).select(1, 0);
+  const Tensor mean = internal::mean_of_values(draws.components, model_->codec().components());
+  return model_->codec().decode(mean.unsqueeze(1), references_).select(1, 0);
 }
 
 Tensor AutoregressiveDistribution::log_probability(const Tensor& values) const {
   const auto rows = values.to(at::kFloat).contiguous();
   return tensor_of(
-      internal::log_probability(model_->components, feature_rows(inputs_),
+      internal::log_probability(model_->network(), feature_rows(inputs_),
                                 {rows.data_ptr<float>(), static_cast<std::size_t>(rows.numel())},
                                 static_cast<std::int32_t>(rows.size(1)), known_count(),
-                                {.threads = model_->threads}),
+                                {.threads = model_->threads()}),
       {rows.size(0), rows.size(1)});
 }
 
 Tensor AutoregressiveDistribution::log_density(const Tensor& boxes) const {
   require_boxes(boxes, "log_density");
-  const auto components = model_->codec->components();
-  const ComponentSet set = model_->codec->equivalents(boxes.detach().to(at::kFloat), references_);
-  const Tensor bins = quantize(set.values, components, model_->circular_ends);
+  const auto components = model_->codec().components();
+  const ComponentSet set = model_->codec().equivalents(boxes.detach().to(at::kFloat), references_);
+  const Tensor bins = quantize(set.values, components, model_->circular_ends());
   Tensor outside = overflows(set.values, components);
   Tensor mask = internal::distinct_vectors(bins, set.mask);
   Tensor values = dequantize(bins, components);
   if (known_.defined()) {
-    mask = internal::of_sizes(set.values, mask, *model_->codec, known_);
-    values = internal::with_sizes(values, *model_->codec, known_);
+    mask = internal::of_sizes(set.values, mask, model_->codec(), known_);
+    values = internal::with_sizes(values, model_->codec(), known_);
     outside = outside.slice(-1, known_count());
   }
   mask = mask.logical_and(outside.any(-1).logical_not());
@@ -135,14 +136,14 @@ std::unique_ptr<BoxDistribution> AutoregressiveDistribution::select(const Tensor
 
 std::unique_ptr<BoxDistribution> AutoregressiveDistribution::given_sizes(
     const Tensor& sizes) const {
-  if (model_->codec->size_components() != std::vector{0, 1, 2}) {
+  if (model_->codec().size_components() != std::vector{0, 1, 2}) {
     throw NotAvailable(
         "given_sizes: this model's codec does not predict the size first (order "
         "size_center_rotation), so that the rest cannot be conditioned on it");
   }
   require_sizes(sizes, size());
   return std::make_unique<AutoregressiveDistribution>(
-      model_, inputs_, references_, internal::size_values(sizes, *model_->codec, references_));
+      model_, inputs_, references_, internal::size_values(sizes, model_->codec(), references_));
 }
 
 }  // namespace arbox::heads

@@ -1,24 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
-#include <vector>
 
-#include "arbox/heads/box_codec.h"
+#include "arbox/heads/autoregressive_model.h"
 #include "arbox/heads/box_distribution.h"
-#include "arbox/heads/internal/conditional_network.h"
-#include "arbox/heads/quantizer.h"
+#include "arbox/heads/references.h"
 
 namespace arbox::heads {
-
-/// The conditionals of an autoregressive head, as its distributions use them: views of the head's
-/// parameters, which stay alive with them.
-struct AutoregressiveModel {
-  std::shared_ptr<const BoxCodec> codec;
-  CircularEnds circular_ends = CircularEnds::kMerged;
-  int threads = 0;
-  std::vector<at::Tensor> parameters;
-  std::vector<internal::ComponentWeights> components;
-};
 
 /// p(b | h) as a product of conditionals (paper, section 3.1). A draw's density is that of its
 /// vector, log_density(boxes) that of the boxes: it sums over the distinct equivalent vectors, and

@@ -110,29 +110,17 @@ HeadLoss AutoregressiveHead::loss(const HeadInput& input, const Tensor& target_b
 
 std::unique_ptr<AutoregressiveDistribution> AutoregressiveHead::distribution(
     const HeadInput& input) const {
-  auto model = std::make_shared<AutoregressiveModel>();
-  model->codec = context_.codec;
-  model->circular_ends = options_.circular_ends;
-  model->threads = options_.threads;
-  const auto keep = [&](const Tensor& tensor) {
-    model->parameters.push_back(tensor.detach().to(at::kFloat).contiguous());
-    return model->parameters.back().data_ptr<float>();
-  };
-  for (std::size_t i = 0; i < conditionals_.size(); ++i) {
-    const Component& described = context_.codec->components()[i];
-    internal::ComponentWeights weights{
-        .layers = {}, .low = described.low, .step = described.step()};
-    for (const auto& layer : conditionals_[i]->layers()) {
-      weights.layers.push_back({keep(layer.weight), keep(layer.bias),
-                                static_cast<std::int32_t>(layer.weight.size(1)),
-                                static_cast<std::int32_t>(layer.weight.size(0))});
-    }
-    weights.layers.back().out =
-        static_cast<std::int32_t>(internal::usable_bins(described, options_.circular_ends));
-    model->components.push_back(std::move(weights));
+  std::vector<AutoregressiveModel::Layers> components;
+  for (const auto& conditional : conditionals_) {
+    auto& layers = components.emplace_back();
+    for (const auto& layer : conditional->layers()) layers.push_back({layer.weight, layer.bias});
   }
-  return std::make_unique<AutoregressiveDistribution>(std::move(model), input.joined(),
-                                                      input.references);
+  const std::scoped_lock lock(model_mutex_);
+  if (!model_ || !model_->is_of(components)) {
+    model_ = std::make_shared<const AutoregressiveModel>(
+        context_.codec, options_.circular_ends, std::move(components), kLeak, options_.threads);
+  }
+  return std::make_unique<AutoregressiveDistribution>(model_, input.joined(), input.references);
 }
 
 std::unique_ptr<BoxDistribution> AutoregressiveHead::forward(const HeadInput& input) {

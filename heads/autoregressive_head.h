@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "arbox/base/option_field.h"
@@ -97,6 +98,8 @@ class AutoregressiveHead : public BoxHead {
   AutoregressiveOptions options_;
   HeadContext context_;
   std::vector<std::shared_ptr<MultilayerPerceptron>> conditionals_;
+  mutable std::mutex model_mutex_;
+  mutable std::shared_ptr<const AutoregressiveModel> model_;  // until a parameter is written
 };
 
 }  // namespace arbox::heads

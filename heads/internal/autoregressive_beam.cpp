@@ -5,9 +5,14 @@
 
 #include "arbox/base/parallel.h"
 #include "arbox/heads/internal/autoregressive_search.h"
+#include "arbox/heads/internal/softmax_row.h"
 
 namespace arbox::heads::internal {
 namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr std::int32_t kNoBin = -1;
 
 struct Candidate {
   float score;
@@ -28,31 +33,61 @@ struct Beams {
   std::vector<std::int32_t> first;  // by object, one more at the end
 };
 
-float log_normalizer(std::span<const float> logits) {
-  const float top = *std::max_element(logits.begin(), logits.end());
-  float sum = 0.0f;
-  for (const float logit : logits) sum += std::exp(logit - top);
-  return top + std::log(sum);
+/// Logits of every live beam, and the logarithm of the sum of their exponentials.
+struct BeamLogits {
+  AlignedFloats values;
+  std::vector<float> normalizers;
+  std::int32_t columns = 0;
+
+  const float* row(std::int64_t beam) const { return values.data() + beam * columns; }
+};
+
+BeamLogits evaluate(ConditionalNetwork& conditionals, const PackedComponent& component,
+                    std::int32_t index, const Beams& beams) {
+  BeamLogits logits;
+  logits.columns = component.columns();
+  logits.values.resize(beams.objects.size() * logits.columns);
+  logits.normalizers.resize(beams.objects.size());
+  conditionals.evaluate(index, {beams.objects, beams.values}, [&](const LogitBlock& block) {
+    SoftmaxRow softmax;
+    std::copy_n(block.values, block.count * block.columns,
+                logits.values.begin() + block.first * block.columns);
+    for (std::int64_t r = 0; r < block.count; ++r) {
+      softmax.set(block.row(r), block.columns, 1.0);
+      logits.normalizers[block.first + r] = softmax.log_normalizer();
+    }
+  });
+  return logits;
 }
 
-/// The `width` best continuations of the beams [begin, end), best first.
+/// The `width` best continuations of the beams [begin, end), best first. A beam whose logits are
+/// not finite has one, without a bin and without probability.
 std::vector<Candidate> best_continuations(const Beams& beams, std::int32_t begin, std::int32_t end,
-                                          std::span<const float> logits, std::int32_t bins,
+                                          const BeamLogits& logits, std::int32_t bins,
                                           std::int32_t width) {
   std::vector<Candidate> heap;  // the worst kept candidate on top
-  heap.reserve(width + 1);
+  const auto offer = [&](const Candidate& candidate) {
+    if (std::ssize(heap) == width) {
+      if (!better(candidate, heap.front())) return;
+      std::pop_heap(heap.begin(), heap.end(), better);
+      heap.pop_back();
+    }
+    heap.push_back(candidate);
+    std::push_heap(heap.begin(), heap.end(), better);
+  };
   for (std::int32_t beam = begin; beam < end; ++beam) {
-    const auto row = logits.subspan(std::int64_t{beam} * bins, bins);
-    const float base = beams.scores[beam] - log_normalizer(row);
+    const float* row = logits.row(beam);
+    const float base = beams.scores[beam] - logits.normalizers[beam];
+    if (!std::isfinite(base)) {
+      offer({-kInfinity, beam, kNoBin});
+      continue;
+    }
+    float least = std::ssize(heap) == width ? heap.front().score : -kInfinity;
     for (std::int32_t bin = 0; bin < bins; ++bin) {
-      const Candidate candidate{base + row[bin], beam, bin};
-      if (std::ssize(heap) == width) {
-        if (!better(candidate, heap.front())) continue;
-        std::pop_heap(heap.begin(), heap.end(), better);
-        heap.pop_back();
-      }
-      heap.push_back(candidate);
-      std::push_heap(heap.begin(), heap.end(), better);
+      const float score = base + row[bin];
+      if (!(score >= least)) continue;  // nor what is not a number
+      offer({score, beam, bin});
+      if (std::ssize(heap) == width) least = heap.front().score;
     }
   }
   std::sort_heap(heap.begin(), heap.end(), better);
@@ -60,7 +95,7 @@ std::vector<Candidate> best_continuations(const Beams& beams, std::int32_t begin
 }
 
 Beams extend(const Beams& beams, const std::vector<std::vector<Candidate>>& kept,
-             const ComponentWeights& weights, std::int32_t previous) {
+             const PackedComponent& component, std::int32_t previous) {
   Beams next;
   next.first.push_back(0);
   for (std::size_t object = 0; object < kept.size(); ++object) {
@@ -70,7 +105,7 @@ Beams extend(const Beams& beams, const std::vector<std::vector<Candidate>>& kept
       next.scores.push_back(candidate.score);
       next.values.insert(next.values.end(), beams.values.begin() + from,
                          beams.values.begin() + from + previous);
-      next.values.push_back(static_cast<float>(weights.low + weights.step * candidate.bin));
+      next.values.push_back(candidate.bin == kNoBin ? kNan : component.value(candidate.bin));
       next.bins.insert(next.bins.end(), beams.bins.begin() + from,
                        beams.bins.begin() + from + previous);
       next.bins.push_back(candidate.bin);
@@ -80,13 +115,13 @@ Beams extend(const Beams& beams, const std::vector<std::vector<Candidate>>& kept
   return next;
 }
 
-Beams start(std::int64_t objects, std::span<const float> known, std::int32_t known_count) {
+Beams start(std::int64_t objects, const KnownPrefix& known) {
   Beams beams;
   beams.objects.resize(objects);
   std::iota(beams.objects.begin(), beams.objects.end(), 0);
   beams.scores.assign(objects, 0.0f);
-  beams.values.assign(known.begin(), known.begin() + objects * known_count);
-  beams.bins.assign(objects * known_count, -1);
+  beams.values.assign(known.values.begin(), known.values.end());
+  beams.bins.assign(objects * known.count, kNoBin);
   beams.first.resize(objects + 1);
   std::iota(beams.first.begin(), beams.first.end(), 0);
   return beams;
@@ -109,38 +144,33 @@ void write(const Beams& beams, std::int64_t first_object, Vectors& result) {
 
 }  // namespace
 
-Vectors beam_search(std::span<const ComponentWeights> components, const FeatureRows& features,
-                    std::int32_t width, const KnownPrefix& known, const SearchOptions& options) {
-  const auto size = static_cast<std::int32_t>(components.size());
+Vectors beam_search(const PackedNetwork& network, const FeatureRows& features, std::int32_t width,
+                    const KnownPrefix& known, const SearchOptions& options) {
+  const std::int32_t size = network.size();
+  const std::int64_t rows = features.objects * width;
   Vectors result{.objects = features.objects,
                  .count = width,
                  .components = size,
-                 .bins = {},
-                 .values = {},
-                 .log_probability = {}};
-  result.bins.assign(features.objects * width * size, 0);
-  result.values.assign(result.bins.size(), 0.0f);
-  result.log_probability.assign(features.objects * width, -std::numeric_limits<float>::infinity());
-  ConditionalNetwork network(components, options.leak, options.threads);
-  const std::int64_t at_once = std::max<std::int64_t>(1, options.rows_at_once / std::max(width, 1));
-  for (std::int64_t first = 0; first < features.objects; first += at_once) {
-    const std::int64_t objects = std::min(at_once, features.objects - first);
-    network.set_features({features.values + first * features.width, objects, features.width});
-    Beams beams = start(objects, known.values.subspan(first * known.count, objects * known.count),
-                        known.count);
+                 .bins = std::vector<std::int32_t>(rows * size, kNoBin),
+                 .values = std::vector<float>(rows * size, kNan),
+                 .log_probability = std::vector<float>(rows, -kInfinity)};
+  ConditionalNetwork conditionals(network, options.threads);
+  for_chunks(features, width, options, [&](std::int64_t first, const FeatureRows& chunk) {
+    conditionals.set_features(chunk);
+    Beams beams = start(chunk.objects, known.of_objects(first, chunk.objects));
     for (std::int32_t i = known.count; i < size; ++i) {
-      const auto logits = network.logits(i, {beams.objects, beams.values});
-      std::vector<std::vector<Candidate>> kept(objects);
-      parallel_for(objects, 1, options.threads, [&](std::int64_t begin, std::int64_t end) {
+      const BeamLogits logits = evaluate(conditionals, network[i], i, beams);
+      std::vector<std::vector<Candidate>> kept(chunk.objects);
+      parallel_for(chunk.objects, 1, options.threads, [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t object = begin; object < end; ++object) {
           kept[object] = best_continuations(beams, beams.first[object], beams.first[object + 1],
-                                            logits, components[i].bins(), width);
+                                            logits, network[i].bins, width);
         }
       });
-      beams = extend(beams, kept, components[i], i);
+      beams = extend(beams, kept, network[i], i);
     }
     write(beams, first, result);
-  }
+  });
   return result;
 }
 

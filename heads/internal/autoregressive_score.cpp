@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "arbox/base/parallel.h"
 #include "arbox/heads/internal/autoregressive_search.h"
+#include "arbox/heads/internal/softmax_row.h"
 
 namespace arbox::heads::internal {
 namespace {
@@ -24,40 +24,35 @@ Rows prefix_rows(std::span<const float> values, std::int64_t objects, std::int32
   return rows;
 }
 
-float log_softmax_at(std::span<const float> logits, std::int32_t bin) {
-  const float top = *std::max_element(logits.begin(), logits.end());
-  float sum = 0.0f;
-  for (const float logit : logits) sum += std::exp(logit - top);
-  return logits[bin] - top - std::log(sum);
+std::int32_t bin_of(float value, const PackedComponent& component) {
+  const double bin = std::round((value - component.low) / component.step);
+  return bin > 0 ? static_cast<std::int32_t>(std::min<double>(bin, component.bins - 1)) : 0;
 }
 
 }  // namespace
 
-std::vector<float> log_probability(std::span<const ComponentWeights> components,
-                                   const FeatureRows& features, std::span<const float> values,
-                                   std::int32_t count, std::int32_t known,
-                                   const SearchOptions& options) {
-  const auto width = static_cast<std::int32_t>(components.size());
+std::vector<float> log_probability(const PackedNetwork& network, const FeatureRows& features,
+                                   std::span<const float> values, std::int32_t count,
+                                   std::int32_t known, const SearchOptions& options) {
+  const std::int32_t width = network.size();
   std::vector<float> result(features.objects * count, 0.0f);
-  ConditionalNetwork network(components, options.leak, options.threads);
-  const std::int64_t at_once = std::max<std::int64_t>(1, options.rows_at_once / std::max(count, 1));
-  for (std::int64_t first = 0; first < features.objects; first += at_once) {
-    const std::int64_t objects = std::min(at_once, features.objects - first);
-    network.set_features({features.values + first * features.width, objects, features.width});
-    const auto chunk = values.subspan(first * count * width, objects * count * width);
+  ConditionalNetwork conditionals(network, options.threads);
+  for_chunks(features, count, options, [&](std::int64_t first, const FeatureRows& chunk) {
+    conditionals.set_features(chunk);
+    const auto vectors = values.subspan(first * count * width, chunk.objects * count * width);
     for (std::int32_t i = known; i < width; ++i) {
-      const Rows rows = prefix_rows(chunk, objects, count, width, i);
-      const std::int32_t bins = components[i].bins();
-      const auto logits = network.logits(i, {rows.objects, rows.prefixes});
-      parallel_for(objects * count, 64, options.threads, [&](std::int64_t begin, std::int64_t end) {
-        for (std::int64_t row = begin; row < end; ++row) {
-          const double bin = (chunk[row * width + i] - components[i].low) / components[i].step;
-          const auto index = std::clamp(static_cast<std::int32_t>(std::lround(bin)), 0, bins - 1);
-          result[first * count + row] += log_softmax_at(logits.subspan(row * bins, bins), index);
+      const Rows rows = prefix_rows(vectors, chunk.objects, count, width, i);
+      conditionals.evaluate(i, {rows.objects, rows.prefixes}, [&](const LogitBlock& block) {
+        SoftmaxRow softmax;
+        for (std::int64_t r = 0; r < block.count; ++r) {
+          const std::int64_t row = block.first + r;
+          softmax.set(block.row(r), block.columns, 1.0);
+          result[first * count + row] +=
+              block.row(r)[bin_of(vectors[row * width + i], network[i])] - softmax.log_normalizer();
         }
       });
     }
-  }
+  });
   return result;
 }
 

@@ -12,10 +12,15 @@ namespace arbox::heads::internal {
 struct KnownPrefix {
   std::span<const float> values = {};
   std::int32_t count = 0;
+
+  KnownPrefix of_objects(std::int64_t first, std::int64_t objects) const {
+    return {values.subspan(first * count, objects * count), count};
+  }
 };
 
 /// K vectors for each object: bins and values (objects, K, D), log probability (objects, K) of the
-/// components that were not known.
+/// components that were not known. Bins of known components are -1. Where the network's outputs
+/// are not finite, values and log probability are NaN.
 struct Vectors {
   std::int64_t objects = 0;
   std::int32_t count = 0, components = 0;
@@ -28,25 +33,38 @@ struct SearchOptions {
   int threads = 0;
   /// Rows that are evaluated together: bounds the memory whatever the number of objects.
   std::int32_t rows_at_once = 2048;
-  float leak = 0.1f;
 };
 
 /// Independent draws. Row k of object n uses the random numbers (seed, ids[n], k, component) alone.
 /// Draws with the same prefix are evaluated once. log_probability is at temperature 1.
-Vectors sample(std::span<const ComponentWeights> components, const FeatureRows& features,
+Vectors sample(const PackedNetwork& network, const FeatureRows& features,
                std::span<const std::int64_t> ids, std::uint64_t seed, std::int32_t count,
                double temperature, const KnownPrefix& known, const SearchOptions& options);
 
 /// Beam search from one live beam: the `width` best vectors (fewer if there are fewer), best first;
 /// missing ones have log probability -infinity. Ties go to the earlier beam, then the lower bin.
-Vectors beam_search(std::span<const ComponentWeights> components, const FeatureRows& features,
-                    std::int32_t width, const KnownPrefix& known, const SearchOptions& options);
+Vectors beam_search(const PackedNetwork& network, const FeatureRows& features, std::int32_t width,
+                    const KnownPrefix& known, const SearchOptions& options);
 
 /// (objects, count): log probability of given vectors, whose values (objects, count, D) lie on
 /// bins from component `known` on.
-std::vector<float> log_probability(std::span<const ComponentWeights> components,
-                                   const FeatureRows& features, std::span<const float> values,
-                                   std::int32_t count, std::int32_t known,
-                                   const SearchOptions& options);
+std::vector<float> log_probability(const PackedNetwork& network, const FeatureRows& features,
+                                   std::span<const float> values, std::int32_t count,
+                                   std::int32_t known, const SearchOptions& options);
+
+/// Calls body(first object, features of a chunk of objects), each with at most
+/// options.rows_at_once rows (at least one object).
+template <class Body>
+void for_chunks(const FeatureRows& features, std::int32_t rows_per_object,
+                const SearchOptions& options, const Body& body) {
+  const std::int64_t per_object = rows_per_object > 1 ? rows_per_object : 1;
+  const std::int64_t most = options.rows_at_once / per_object;
+  const std::int64_t at_once = most > 1 ? most : 1;
+  for (std::int64_t first = 0; first < features.objects; first += at_once) {
+    const std::int64_t left = features.objects - first;
+    body(first, FeatureRows{features.values + first * features.width,
+                            left < at_once ? left : at_once, features.width});
+  }
+}
 
 }  // namespace arbox::heads::internal

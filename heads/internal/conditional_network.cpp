@@ -1,108 +1,126 @@
 #include "arbox/heads/internal/conditional_network.h"
 
-#include <dnnl.h>
-
 #include <algorithm>
-#include <string>
+#include <utility>
 
-#include "arbox/base/error.h"
 #include "arbox/base/parallel.h"
+#include "arbox/heads/internal/mlp_kernel.h"
 
 namespace arbox::heads::internal {
 namespace {
 
-constexpr std::int64_t kRowsAtOnce = 64;
+// The activations of a block of rows stay in the second-level cache together with a panel of
+// weights; more rows read the weights less often.
+constexpr std::int64_t kBlockRows = 96;
+constexpr std::int64_t kBlockFloats = 98304;
+constexpr std::int64_t kTileRows = 6;
 
-void add_bias_and_leak(std::span<float> rows, const float* bias, std::int32_t width, float leak,
-                       int threads) {
-  const auto count = static_cast<std::int64_t>(rows.size()) / width;
-  parallel_for(count, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t r = begin; r < end; ++r) {
-      float* row = rows.data() + r * width;
-      for (std::int32_t c = 0; c < width; ++c) {
-        const float value = row[c] + bias[c];
-        row[c] = value > 0.0f ? value : leak * value;
-      }
-    }
-  });
-}
+std::int64_t divide_up(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
 
-void add_bias(std::span<float> rows, const float* bias, std::int32_t width, int threads) {
-  add_bias_and_leak(rows, bias, width, 1.0f, threads);
+/// Rows of a block, such that every thread gets about as much.
+std::int64_t block_rows(std::int64_t rows, std::int64_t most, int threads) {
+  const std::int64_t workers = threads > 0 ? threads : default_threads();
+  const std::int64_t blocks = divide_up(divide_up(rows, most), workers) * workers;
+  return std::min(most, divide_up(divide_up(rows, blocks), kTileRows) * kTileRows);
 }
 
 }  // namespace
 
-void multiply_transposed(std::int64_t rows, std::int64_t columns, std::int64_t inner,
-                         const float* a, std::int64_t a_stride, const float* b,
-                         std::int64_t b_stride, float* c) {
-  if (rows == 0 || columns == 0) return;
-  const dnnl_status_t status =
-      dnnl_sgemm('N', 'T', rows, columns, inner, 1.0f, a, a_stride, b, b_stride, 0.0f, c, columns);
-  if (status != dnnl_success) {
-    throw NumericalError("oneDNN refused a product of " + std::to_string(rows) + " x " +
-                         std::to_string(inner) + " by " + std::to_string(columns) + ", status " +
-                         std::to_string(static_cast<int>(status)));
-  }
-}
-
-ConditionalNetwork::ConditionalNetwork(std::span<const ComponentWeights> components, float leak,
-                                       int threads)
-    : components_(components), leak_(leak), threads_(threads), object_parts_(components.size()) {}
+ConditionalNetwork::ConditionalNetwork(const PackedNetwork& network, int threads)
+    : network_(network),
+      threads_(threads),
+      most_rows_(std::clamp(kBlockFloats / std::max<std::int64_t>(network.widest(), 1), kTileRows,
+                            kBlockRows)),
+      object_parts_(network.size()) {}
 
 void ConditionalNetwork::set_features(const FeatureRows& features) {
   features_ = features;
   for (auto& part : object_parts_) part.clear();
 }
 
-void ConditionalNetwork::first_layer(const ComponentWeights& component, int index,
-                                     const PrefixRows& rows) {
-  const LayerWeights& layer = component.layers.front();
-  std::vector<float>& part = object_parts_[index];
-  if (part.empty() && features_.objects > 0) {
-    part.resize(features_.objects * layer.out);
-    multiply_transposed(features_.objects, layer.out, features_.width, features_.values,
-                        features_.width, layer.weight, layer.in, part.data());
-    add_bias(part, layer.bias, layer.out, threads_);
-  }
-  std::vector<float> columns(static_cast<std::size_t>(index) * layer.out);
-  for (int j = 0; j < index; ++j) {
-    for (std::int32_t c = 0; c < layer.out; ++c) {
-      columns[static_cast<std::size_t>(j) * layer.out + c] =
-          layer.weight[std::int64_t{c} * layer.in + features_.width + j];
-    }
-  }
-  const auto count = static_cast<std::int64_t>(rows.objects.size());
-  current_.resize(count * layer.out);
-  const float leak = component.layers.size() > 1 ? leak_ : 1.0f;
-  parallel_for(count, kRowsAtOnce, threads_, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t r = begin; r < end; ++r) {
-      float* row = current_.data() + r * layer.out;
-      std::copy_n(part.data() + std::int64_t{rows.objects[r]} * layer.out, layer.out, row);
-      for (int j = 0; j < index; ++j) {
-        const float value = rows.values[r * index + j];
-        const float* column = columns.data() + static_cast<std::size_t>(j) * layer.out;
-        for (std::int32_t c = 0; c < layer.out; ++c) row[c] += value * column[c];
-      }
-      for (std::int32_t c = 0; c < layer.out; ++c) row[c] = row[c] > 0 ? row[c] : leak * row[c];
-    }
+const float* ConditionalNetwork::object_part(std::int32_t index) {
+  AlignedFloats& part = object_parts_[index];
+  if (!part.empty() || features_.objects == 0) return part.data();
+  const PackedLayer& layer = network_[index].features;
+  part.resize(features_.objects * layer.columns);
+  const std::int64_t grain = block_rows(features_.objects, kBlockRows, threads_);
+  parallel_for(features_.objects, grain, threads_, [&](std::int64_t begin, std::int64_t end) {
+    mlp_kernels().layer({.input = features_.values + begin * features_.width,
+                         .input_stride = features_.width,
+                         .output = part.data() + begin * layer.columns,
+                         .output_stride = layer.columns,
+                         .rows = end - begin,
+                         .weight = layer.weight.data(),
+                         .bias = layer.bias.data(),
+                         .in = layer.in,
+                         .columns = layer.columns,
+                         .leak = 1.0f});
   });
+  return part.data();
 }
 
-std::span<const float> ConditionalNetwork::logits(int index, const PrefixRows& rows) {
-  const ComponentWeights& component = components_[index];
-  const auto count = static_cast<std::int64_t>(rows.objects.size());
-  first_layer(component, index, rows);
-  for (std::size_t l = 1; l < component.layers.size(); ++l) {
-    const LayerWeights& layer = component.layers[l];
-    next_.resize(count * layer.out);
-    multiply_transposed(count, layer.out, layer.in, current_.data(), layer.in, layer.weight,
-                        layer.in, next_.data());
-    const bool last = l + 1 == component.layers.size();
-    add_bias_and_leak(next_, layer.bias, layer.out, last ? 1.0f : leak_, threads_);
-    current_.swap(next_);
+LogitBlock ConditionalNetwork::evaluate_block(const PackedComponent& component,
+                                              const PrefixRows& rows, std::int32_t index,
+                                              std::int64_t begin, std::int64_t end,
+                                              Workspace& workspace) const {
+  std::int32_t columns = component.features.columns;
+  const float* part = object_parts_[index].data();
+  for (std::int64_t r = begin; r < end; ++r) {
+    mlp_kernels().add_prefix({.base = part + std::int64_t{rows.objects[r]} * columns,
+                              .values = rows.values.data() + r * index,
+                              .count = index,
+                              .columns_of_values = component.prefix.data(),
+                              .columns = columns,
+                              .leak = component.rest.empty() ? 1.0f : network_.leak(),
+                              .output = workspace.current.data() + (r - begin) * columns});
   }
-  return current_;
+  for (const PackedLayer& layer : component.rest) {
+    mlp_kernels().layer({.input = workspace.current.data(),
+                         .input_stride = columns,
+                         .output = workspace.next.data(),
+                         .output_stride = layer.columns,
+                         .rows = end - begin,
+                         .weight = layer.weight.data(),
+                         .bias = layer.bias.data(),
+                         .in = layer.in,
+                         .columns = layer.columns,
+                         .leak = &layer == &component.rest.back() ? 1.0f : network_.leak()});
+    columns = layer.columns;
+    workspace.current.swap(workspace.next);
+  }
+  return {begin, end - begin, workspace.current.data(), columns};
+}
+
+void ConditionalNetwork::evaluate(std::int32_t index, const PrefixRows& rows,
+                                  const std::function<void(const LogitBlock&)>& visit) {
+  const auto count = static_cast<std::int64_t>(rows.objects.size());
+  if (count == 0) return;
+  object_part(index);
+  const PackedComponent& component = network_[index];
+  parallel_for(count, block_rows(count, most_rows_, threads_), threads_,
+               [&](std::int64_t begin, std::int64_t end) {
+                 Workspace workspace = take_workspace();
+                 visit(evaluate_block(component, rows, index, begin, end, workspace));
+                 return_workspace(std::move(workspace));
+               });
+}
+
+ConditionalNetwork::Workspace ConditionalNetwork::take_workspace() {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!workspaces_.empty()) {
+      Workspace workspace = std::move(workspaces_.back());
+      workspaces_.pop_back();
+      return workspace;
+    }
+  }
+  const std::int64_t size = most_rows_ * network_.widest();
+  return {AlignedFloats(size), AlignedFloats(size)};
+}
+
+void ConditionalNetwork::return_workspace(Workspace workspace) {
+  const std::scoped_lock lock(mutex_);
+  workspaces_.push_back(std::move(workspace));
 }
 
 }  // namespace arbox::heads::internal

@@ -1,25 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <mutex>
 #include <span>
 #include <vector>
 
+#include "arbox/heads/internal/packed_network.h"
+
 namespace arbox::heads::internal {
-
-/// A fully connected layer in LibTorch's layout, in memory that somebody else owns.
-struct LayerWeights {
-  const float* weight = nullptr;  ///< (out, in), row-major.
-  const float* bias = nullptr;    ///< (out).
-  std::int32_t in = 0, out = 0;
-};
-
-/// The MLP of one component: inputs are features, condition, then the values before it.
-struct ComponentWeights {
-  std::vector<LayerWeights> layers;
-  double low = 0.0, step = 1.0;
-
-  std::int32_t bins() const { return layers.back().out; }
-};
 
 /// Objects of a batch: their features and condition side by side, (objects, width).
 struct FeatureRows {
@@ -35,33 +24,50 @@ struct PrefixRows {
   std::span<const float> values;
 };
 
+/// Logits of the rows [first, first + count) of one evaluation.
+struct LogitBlock {
+  std::int64_t first = 0, count = 0;
+  const float* values = nullptr;
+  std::int32_t columns = 0;  ///< Padded; the padding has no mass.
+
+  const float* row(std::int64_t r) const { return values + r * columns; }
+};
+
 /// Evaluates p(component | features, values before) for inference. Work on an object's features is
-/// done once, whatever the number of prefixes. Not thread-safe: give each thread its own.
+/// done once, whatever the number of prefixes. A row's logits do not depend on the other rows nor
+/// on the number of threads. Use one from one thread at a time.
 class ConditionalNetwork {
  public:
-  ConditionalNetwork(std::span<const ComponentWeights> components, float leak, int threads);
+  /// Keeps a reference to `network`.
+  ConditionalNetwork(const PackedNetwork& network, int threads);
 
   /// Starts on other objects.
   void set_features(const FeatureRows& features);
 
-  /// Logits (rows, bins) of component `index`; valid until the next call.
-  std::span<const float> logits(int index, const PrefixRows& rows);
+  /// Evaluates component `index` for all rows, in blocks, on several threads: `visit` gets every
+  /// row once, and its logits while they are in the cache.
+  void evaluate(std::int32_t index, const PrefixRows& rows,
+                const std::function<void(const LogitBlock&)>& visit);
 
  private:
-  void first_layer(const ComponentWeights& component, int index, const PrefixRows& rows);
+  struct Workspace {
+    AlignedFloats current, next;
+  };
 
-  std::span<const ComponentWeights> components_;
-  float leak_;
+  const float* object_part(std::int32_t index);
+  LogitBlock evaluate_block(const PackedComponent& component, const PrefixRows& rows,
+                            std::int32_t index, std::int64_t begin, std::int64_t end,
+                            Workspace& workspace) const;
+  Workspace take_workspace();
+  void return_workspace(Workspace workspace);
+
+  const PackedNetwork& network_;
   int threads_;
+  std::int64_t most_rows_;
   FeatureRows features_;
-  std::vector<std::vector<float>> object_parts_;  // by component, filled on first use
-  std::vector<float> current_, next_;
+  std::vector<AlignedFloats> object_parts_;  // by component, filled on first use
+  std::mutex mutex_;
+  std::vector<Workspace> workspaces_;
 };
-
-/// c = a * b^T, all row-major float32: a (rows, inner) with leading dimension a_stride, b (columns,
-/// inner) with b_stride, c (rows, columns).
-void multiply_transposed(std::int64_t rows, std::int64_t columns, std::int64_t inner,
-                         const float* a, std::int64_t a_stride, const float* b,
-                         std::int64_t b_stride, float* c);
 
 }  // namespace arbox::heads::internal

@@ -55,7 +55,7 @@ struct ClusterFitOptions {
   double min_tolerance = 0.12;
   /// Clusters with fewer points are left out.
   int min_points = 8;
-  /// Step of the search over headings; the best is refined to a thousandth of it.
+  /// Step of the search over headings; the best is refined to a hundredth of it.
   double yaw_step = 2.0;
   /// Of two boxes that overlap more than this in bird's eye view the better one stays.
   double nms_iou = 0.1;

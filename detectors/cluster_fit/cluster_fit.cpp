@@ -1,99 +1,27 @@
 #include "arbox/detectors/cluster_fit/cluster_fit.h"
 
 #include <algorithm>
-#include <cmath>
-#include <deque>
 #include <memory>
-#include <numbers>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "arbox/base/error.h"
 #include "arbox/base/options.h"
 #include "arbox/base/parallel.h"
 #include "arbox/detectors/cluster_fit/internal/box_fit.h"
-#include "arbox/detectors/cluster_fit/internal/clusters.h"
-#include "arbox/detectors/cluster_fit/internal/ground.h"
+#include "arbox/detectors/cluster_fit/internal/stages.h"
 #include "arbox/geometry/overlap.h"
+#include "arbox/geometry/quantile_box.h"
 
 namespace arbox::detectors {
 namespace {
 
 using internal::FittedObject;
-using Points = std::vector<Eigen::Vector3f>;
 
-constexpr std::int64_t kGrain = 16384;
 // The two quantile boxes whose overlap tells the uncertainty (paper, section 4.3).
 constexpr double kUncertaintyLow = 0.2;
 constexpr double kUncertaintyHigh = 0.8;
-
-Points used_points(const geometry::PointCloudView& cloud, double max_range,
-                   std::int64_t& not_finite) {
-  Points points;
-  points.reserve(cloud.size());
-  const auto limit = static_cast<float>(max_range);
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3f point = cloud.position(i);
-    if (!point.allFinite()) {
-      ++not_finite;
-    } else if (std::abs(point.x()) <= limit && std::abs(point.y()) <= limit &&
-               std::abs(point.z()) <= limit && point.norm() <= limit) {
-      points.push_back(point);
-    }
-  }
-  return points;
-}
-
-Points standing_points(const Points& points, const internal::GroundSurface& ground,
-                       const ClusterFitOptions& options, int threads) {
-  const auto count = static_cast<std::int64_t>(points.size());
-  std::vector<Points> parts((count + kGrain - 1) / kGrain);
-  parallel_for(count, kGrain, threads, [&](std::int64_t begin, std::int64_t end) {
-    Points& part = parts[begin / kGrain];
-    for (std::int64_t i = begin; i < end; ++i) {
-      const double above = points[i].z() - ground.height(points[i].x(), points[i].y());
-      if (above > options.ground.thickness && above < options.max_height) part.push_back(points[i]);
-    }
-  });
-  Points standing;
-  for (const Points& part : parts) standing.insert(standing.end(), part.begin(), part.end());
-  return standing;
-}
-
-Points selected(const Points& points, const std::vector<std::uint32_t>& indices) {
-  Points result;
-  result.reserve(indices.size());
-  for (const auto i : indices) result.push_back(points[i]);
-  return result;
-}
-
-/// Fits the cluster, or what it falls into when it is larger than any object.
-std::vector<FittedObject> fit_cluster(Points cluster, const ClusterFitOptions& options,
-                                      const internal::Surroundings& surroundings) {
-  const double step = options.yaw_step * std::numbers::pi / 180.0;
-  std::vector<FittedObject> objects;
-  std::deque<std::pair<Points, double>> waiting;
-  waiting.emplace_back(std::move(cluster), options.tolerance);
-  while (!waiting.empty()) {
-    const auto [points, tolerance] = std::move(waiting.front());
-    waiting.pop_front();
-    if (!internal::larger_than_any_object(points)) {
-      std::vector<Eigen::Vector2d> outline = internal::outline_of(points);
-      const internal::Rectangle rectangle = internal::fit_l_shape(outline, {.step = step});
-      if (!internal::larger_than_any_object(rectangle)) {
-        objects.push_back(
-            internal::fit_object(points, std::move(outline), rectangle, surroundings));
-        continue;
-      }
-    }
-    const double finer = 0.5 * tolerance;
-    if (finer < options.min_tolerance) continue;
-    for (const auto& part : internal::euclidean_clusters(points, finer, options.min_points)) {
-      waiting.emplace_back(selected(points, part), finer);
-    }
-  }
-  return objects;
-}
 
 std::vector<FittedObject> best_apart(std::vector<FittedObject> objects, double nms_iou) {
   std::stable_sort(objects.begin(), objects.end(),
@@ -141,7 +69,7 @@ void add_uncertainty(const std::vector<FittedObject>& objects, int count,
     for (const double p : request.confidences) {
       detection.confidence_boxes.push_back({.p = p, .box = (next++)->box});
     }
-    detection.uncertainty = 1.0 - geometry::overlap(next[0].box, next[1].box);
+    detection.uncertainty = geometry::quantile_uncertainty(next[0].box, next[1].box);
     if (!request.samples) detection.samples.clear();
   }
 }
@@ -169,13 +97,12 @@ DetectionResult ClusterFit::detect(const geometry::PointCloudView& cloud,
   for (const double q : request.quantiles) require_within(q, 0.0, 1.0, "a quantile");
   for (const double p : request.confidences) require_within(p, 0.0, 1.0, "a confidence");
   DetectionResult result;
-  const Points points = used_points(cloud, options_.max_range, result.dropped_points);
+  const internal::Points points =
+      internal::used_points(cloud, options_.max_range, request.threads, result.dropped_points);
   const internal::GroundSurface ground(points, options_.ground, options_.max_range,
                                        request.threads);
-  Points standing = standing_points(points, ground, options_, request.threads);
-  if (options_.thinning > 0.0) {
-    standing = selected(standing, internal::thinned(standing, options_.thinning));
-  }
+  const internal::Points standing =
+      internal::standing_points(points, ground, options_, request.threads);
   const internal::OcclusionMap occlusion(standing);
   const internal::Surroundings surroundings{.ground = [&](double x, double y) -> double {
                                               return ground.height(static_cast<float>(x),
@@ -183,23 +110,10 @@ DetectionResult ClusterFit::detect(const geometry::PointCloudView& cloud,
                                             },
                                             .occlusion = &occlusion};
 
-  const auto clusters =
-      internal::euclidean_clusters(standing, options_.tolerance, options_.min_points);
-  std::vector<std::vector<FittedObject>> fitted(clusters.size());
-  parallel_for(static_cast<std::int64_t>(clusters.size()), 1, request.threads,
-               [&](std::int64_t begin, std::int64_t end) {
-                 for (std::int64_t i = begin; i < end; ++i) {
-                   fitted[i] = fit_cluster(selected(standing, clusters[i]), options_, surroundings);
-                 }
-               });
-  std::vector<FittedObject> candidates;
-  for (std::size_t cluster = 0; cluster < fitted.size(); ++cluster) {
-    for (std::size_t part = 0; part < fitted[cluster].size(); ++part) {
-      FittedObject& object = fitted[cluster][part];
-      object.id = (static_cast<std::uint64_t>(cluster) << 32) + part;
-      if (object.score >= request.score) candidates.push_back(std::move(object));
-    }
-  }
+  std::vector<FittedObject> candidates = internal::fit_clusters(
+      internal::clusters_of(standing, options_.tolerance, options_.min_points), options_,
+      surroundings, request.threads);
+  std::erase_if(candidates, [&](const auto& object) { return object.score < request.score; });
   const std::vector<FittedObject> objects = best_apart(std::move(candidates), options_.nms_iou);
   for (const FittedObject& object : objects) {
     geometry::Detection& detection = result.detections.emplace_back();

@@ -228,10 +228,15 @@ std::vector<geometry::Box> sample_boxes(const FittedObject& object, int count, s
   const auto points = static_cast<std::uint32_t>(object.outline.size());
   std::vector<geometry::Box> boxes;
   std::vector<Eigen::Vector2d> redrawn(points);
+  constexpr std::uint32_t kWords = 4;
+  const std::uint32_t blocks = (points + kWords - 1) / kWords;
+  std::array<std::uint32_t, kWords> words = {};
   for (int k = 0; k < count; ++k) {
     const auto sample = static_cast<std::uint32_t>(k);
     for (std::uint32_t i = 0; i < points; ++i) {
-      redrawn[i] = object.outline[draw_point.below(sample * points + i, points)];
+      const std::uint32_t word = i % kWords;
+      if (word == 0) words = draw_point.words(sample * blocks + i / kWords);
+      redrawn[i] = object.outline[(std::uint64_t{words[word]} * points) >> 32];
     }
     FittedObject other{.prior = object.prior, .end_seen = object.end_seen, .top = object.top};
     other.rectangle =

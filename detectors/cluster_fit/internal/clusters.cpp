@@ -176,8 +176,19 @@ void visit_neighbours(const std::vector<Cell>& cells, Visit&& visit) {
               columns.items.begin() + columns.start[c + 1], below);
   }
   // Half of the columns around; the other half mirrors it.
-  constexpr std::array<std::array<int, 2>, 13> kAround = {{{0, 0}, {0, 1}, {1, 0}, {1, -1}, {1, 1},
-      {0, 2}, {2, 0}, {1, -2}, {1, 2}, {2, -1}, {2, 1}, {2, -2}, {2, 2}}};
+  constexpr std::array<std::array<int, 2>, 13> kAround = {{{0, 0},
+                                                           {0, 1},
+                                                           {1, 0},
+                                                           {1, -1},
+                                                           {1, 1},
+                                                           {0, 2},
+                                                           {2, 0},
+                                                           {1, -2},
+                                                           {1, 2},
+                                                           {2, -1},
+                                                           {2, 1},
+                                                           {2, -2},
+                                                           {2, 2}}};
   for (const auto& [dx, dy] : kAround) {
     for (std::uint32_t column = 0; column < table.cells().size(); ++column) {
       const Cell& at = table.cells()[column];
@@ -212,8 +223,7 @@ std::vector<std::uint32_t> thinned(std::span<const Eigen::Vector3f> points, doub
 std::vector<std::vector<std::uint32_t>> euclidean_clusters(std::span<const Eigen::Vector3f> points,
                                                            double tolerance, int min_points) {
   CellTable table;
-  const auto cell_of_point =
-      number_cells(points, tolerance / std::sqrt(3.0) * (1.0 - 1e-5), table);
+  const auto cell_of_point = number_cells(points, tolerance / std::sqrt(3.0) * (1.0 - 1e-5), table);
   const std::size_t cells = table.cells().size();
   const Groups members(cell_of_point, cells);
   const Contact touch(points, members, tolerance);

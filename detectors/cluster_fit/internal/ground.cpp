@@ -22,15 +22,47 @@ constexpr int kLowest = 3;
 constexpr float kSameHeight = 0.3f;
 constexpr double kNearRange = 25.0;
 constexpr int kHypotheses = 200;
+constexpr double kPlaneDepth = 0.12;
 constexpr std::uint32_t kPlanePurpose = 0x47524f55;
 constexpr double kReturnVariance = 0.05 * 0.05;
 constexpr double kLateralSlope = 0.06;
 // Metres over which a slope that no return confirms is forgotten.
 constexpr double kSlopeMemory = 30.0;
+constexpr std::int64_t kGrain = 4096;
 
-int sector_of(float x, float y) {
-  const double turn = std::atan2(y, x) / (2.0 * std::numbers::pi) + 0.5;
-  return std::min(kSectors - 1, static_cast<int>(turn * kSectors));
+/// Places in the polar grid: whole numbers are where rings and sectors begin.
+struct Places {
+  Eigen::ArrayXf ring, sector;
+};
+
+/// atan2 within 2e-6: Eigen has none for whole arrays.
+Eigen::ArrayXf angle_of(const Eigen::ArrayXf& x, const Eigen::ArrayXf& y) {
+  constexpr float kPi = std::numbers::pi_v<float>;
+  const Eigen::ArrayXf wide = x.abs().max(y.abs()).max(std::numeric_limits<float>::min());
+  const Eigen::ArrayXf ratio = x.abs().min(y.abs()) / wide;
+  const Eigen::ArrayXf square = ratio.square();
+  // Chebyshev fit of atan(sqrt(t)) / sqrt(t) over [0, 1].
+  Eigen::ArrayXf angle = Eigen::ArrayXf::Constant(x.size(), 0.00764835f);
+  for (const float coefficient :
+       {-0.03636043f, 0.08312645f, -0.13447864f, 0.1987204f, -0.33325678f, 0.99999923f}) {
+    angle = angle * square + coefficient;
+  }
+  angle *= ratio;
+  angle = (y.abs() > x.abs()).select(0.5f * kPi - angle, angle);
+  angle = (x < 0.0f).select(kPi - angle, angle);
+  return (y < 0.0f).select(-angle, angle);
+}
+
+Places places_of(std::span<const Eigen::Vector3f> points) {
+  const auto count = static_cast<Eigen::Index>(points.size());
+  Eigen::ArrayXf x(count), y(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    x[i] = points[i].x();
+    y[i] = points[i].y();
+  }
+  const Eigen::ArrayXf radius = (x.square() + y.square()).sqrt();
+  return {(1.0f + radius / static_cast<float>(kScale)).log() / static_cast<float>(kGrowth),
+          (angle_of(x, y) / (2.0f * std::numbers::pi_v<float>)+0.5f) * kSectors};
 }
 
 }  // namespace
@@ -70,21 +102,16 @@ GroundSurface::GroundSurface(std::span<const Eigen::Vector3f> points, const Grou
   walk(bins, near_plane(bins));
 }
 
-int GroundSurface::ring_of(float radius) const {
-  const int ring = static_cast<int>(std::log1p(radius / static_cast<float>(kScale)) /
-                                    static_cast<float>(kGrowth));
-  return std::min(ring, rings_ - 1);
-}
-
 std::vector<GroundSurface::Bin> GroundSurface::lowest_returns(
     std::span<const Eigen::Vector3f> points, int threads) const {
   const auto count = static_cast<std::int64_t>(points.size());
   std::vector<std::int32_t> bin_of(points.size());
-  parallel_for(count, 16384, threads, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(count, kGrain, threads, [&](std::int64_t begin, std::int64_t end) {
+    const Places places = places_of(points.subspan(begin, end - begin));
     for (std::int64_t i = begin; i < end; ++i) {
-      const Eigen::Vector3f& point = points[i];
-      const int ring = ring_of(std::hypot(point.x(), point.y()));
-      bin_of[i] = ring * kSectors + sector_of(point.x(), point.y());
+      const int ring = std::clamp(static_cast<int>(places.ring[i - begin]), 0, rings_ - 1);
+      const int sector = std::clamp(static_cast<int>(places.sector[i - begin]), 0, kSectors - 1);
+      bin_of[i] = ring * kSectors + sector;
     }
   });
   std::vector<Bin> bins(heights_.size());
@@ -107,10 +134,14 @@ GroundSurface::Plane GroundSurface::near_plane(const std::vector<Bin>& bins) con
                  })->z()};
   const RandomStream stream(0, 0, kPlanePurpose);
   const auto count = static_cast<std::uint32_t>(lows.size());
+  Eigen::ArrayXd x(count), y(count), z(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    x[i] = lows[i].x();
+    y[i] = lows[i].y();
+    z[i] = lows[i].z();
+  }
   const auto support = [&](const Plane& plane) {
-    return std::count_if(lows.begin(), lows.end(), [&](const Eigen::Vector3d& low) {
-      return std::abs(plane.a * low.x() + plane.b * low.y() + plane.c - low.z()) < 0.12;
-    });
+    return ((plane.a * x + plane.b * y + plane.c - z).abs() < kPlaneDepth).count();
   };
   auto best_support = support(best);
   for (std::uint32_t trial = 0; trial < kHypotheses && count >= 3; ++trial) {
@@ -211,23 +242,36 @@ void GroundSurface::fill(const std::vector<char>& measured) {
   }
 }
 
-float GroundSurface::height(float x, float y) const {
-  const float ring = std::clamp(
-      std::log1p(std::hypot(x, y) / static_cast<float>(kScale)) / static_cast<float>(kGrowth) -
-          0.5f,
-      0.0f, static_cast<float>(rings_ - 1));
-  const float turn = (std::atan2(y, x) / (2.0f * std::numbers::pi_v<float>)+0.5f) * kSectors - 0.5f;
-  const int low_ring = std::min(static_cast<int>(ring), rings_ - 1);
+float GroundSurface::between(float ring, float turn) const {
+  ring = std::clamp(ring - 0.5f, 0.0f, static_cast<float>(rings_ - 1));
+  turn -= 0.5f;
+  const int low_ring = static_cast<int>(ring);
   const int high_ring = std::min(low_ring + 1, rings_ - 1);
-  const float floor_turn = std::floor(turn);
-  const int low_sector = (static_cast<int>(floor_turn) + kSectors) % kSectors;
-  const int high_sector = (low_sector + 1) % kSectors;
-  const float across = turn - floor_turn, along = ring - static_cast<float>(low_ring);
+  const int whole = turn < 0.0f ? -1 : static_cast<int>(turn);
+  const int low_sector = whole < 0 ? kSectors - 1 : std::min(whole, kSectors - 1);
+  const int high_sector = low_sector + 1 < kSectors ? low_sector + 1 : 0;
+  const float across = turn - static_cast<float>(whole),
+              along = ring - static_cast<float>(low_ring);
   const auto at = [&](int r, int s) { return heights_[r * kSectors + s]; };
   return (1.0f - along) *
              ((1.0f - across) * at(low_ring, low_sector) + across * at(low_ring, high_sector)) +
          along *
              ((1.0f - across) * at(high_ring, low_sector) + across * at(high_ring, high_sector));
+}
+
+float GroundSurface::height(float x, float y) const {
+  const Eigen::Vector3f point(x, y, 0.0f);
+  return heights({&point, 1})[0];
+}
+
+std::vector<float> GroundSurface::heights(std::span<const Eigen::Vector3f> points) const {
+  const Places places = places_of(points);
+  std::vector<float> result(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto place = static_cast<Eigen::Index>(i);
+    result[i] = between(places.ring[place], places.sector[place]);
+  }
+  return result;
 }
 
 }  // namespace arbox::detectors::internal

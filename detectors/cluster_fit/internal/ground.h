@@ -21,6 +21,8 @@ class GroundSurface {
 
   /// Height of the ground at (x, y), metres; beyond the last ring that of the last ring.
   float height(float x, float y) const;
+  /// The same under each point.
+  std::vector<float> heights(std::span<const Eigen::Vector3f> points) const;
 
  private:
   struct Plane {
@@ -28,7 +30,7 @@ class GroundSurface {
   };
   struct Bin;
 
-  int ring_of(float radius) const;
+  float between(float ring, float turn) const;
   std::vector<Bin> lowest_returns(std::span<const Eigen::Vector3f> points, int threads) const;
   Plane near_plane(const std::vector<Bin>& bins) const;
   void walk(const std::vector<Bin>& bins, const Plane& plane);

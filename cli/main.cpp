@@ -14,6 +14,7 @@ void add_commands(CLI::App& app) {
   add_quantile_box(app);
   add_evaluate(app);
   add_plugins(app);
+  add_simulate(app);
   add_view(app);
 }
 

@@ -7,6 +7,7 @@
 #include "arbox/geometry/nms.h"
 #include "arbox/geometry/quantile_box.h"
 #include "arbox/io/point_cloud_file.h"
+#include "arbox/simulation/street_stream.h"
 
 namespace arbox::cli {
 
@@ -16,6 +17,7 @@ std::vector<CatalogEntry> options_catalog() {
       {"quantile_box", "Quantile boxes of box samples", &make_options<geometry::QuantileOptions>},
       {"read_cloud", "How a point cloud is read", &make_options<io::ReadOptions>},
       {"scene", "How a scene is drawn", &make_options<drawing::SceneOptions>},
+      {"street_scan", "How streets are simulated", &make_options<simulation::StreetScanOptions>},
       {"write_cloud", "How a point cloud is written", &make_options<io::WriteOptions>},
   };
   for (const RegistryEntry& entry : program_registry().entries()) {

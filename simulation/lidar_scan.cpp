@@ -169,7 +169,8 @@ std::vector<LidarReturn> scan(const Scene& scene, const RayTracer& tracer, const
         for (double& value : point) value = rounded(value, model.coordinate_step);
         intensity = std::min(rounded(intensity, model.intensity_step), model.intensity_limit);
       }
-      ring_returns.push_back({pulse.azimuth,
+      const double azimuth = std::atan2(point.y(), point.x());
+      ring_returns.push_back({azimuth < 0.0 ? azimuth + kTurn : azimuth,
                               {.x = static_cast<float>(point.x()),
                                .y = static_cast<float>(point.y()),
                                .z = static_cast<float>(point.z()),

@@ -3,6 +3,7 @@
 #include <embree3/rtcore.h>
 
 #include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ struct SceneDeleter {
 };
 using Device = std::unique_ptr<RTCDeviceTy, DeviceDeleter>;
 using TracedScene = std::unique_ptr<RTCSceneTy, SceneDeleter>;
+using Prototype = std::shared_ptr<RTCSceneTy>;
 
 RTCDevice shared_device() {
   static const Device device(rtcNewDevice("threads=1,set_affinity=0"));
@@ -29,6 +31,7 @@ RTCDevice shared_device() {
 TracedScene build_prototype(const TriangleMesh& mesh) {
   RTCDevice device = shared_device();
   TracedScene scene(rtcNewScene(device));
+  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
                                                                RTC_FORMAT_FLOAT3, 3 * sizeof(float),
@@ -51,16 +54,47 @@ TracedScene build_prototype(const TriangleMesh& mesh) {
   return scene;
 }
 
-void set_pose(RTCGeometry instance, unsigned step, const Eigen::Isometry3d& pose) {
+void set_pose(RTCGeometry instance, unsigned step, const Eigen::Affine3d& pose) {
   const Eigen::Matrix<float, 3, 4> columns = pose.matrix().topRows<3>().cast<float>();
   rtcSetGeometryTransform(instance, step, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
+}
+
+/// Meshes that instances of several scenes share are built once, and kept as long as they live.
+class PrototypeCache {
+ public:
+  Prototype find(const std::shared_ptr<const TriangleMesh>& mesh) {
+    {
+      const std::lock_guard lock(mutex_);
+      const auto place = entries_.find(mesh.get());
+      if (place != entries_.end() && !place->second.mesh.expired()) return place->second.built;
+    }
+    Prototype built(build_prototype(*mesh).release(), SceneDeleter());
+    const std::lock_guard lock(mutex_);
+    std::erase_if(entries_, [](const auto& entry) { return entry.second.mesh.expired(); });
+    entries_.insert_or_assign(mesh.get(), Entry{mesh, built});
+    return built;
+  }
+
+ private:
+  struct Entry {
+    std::weak_ptr<const TriangleMesh> mesh;
+    Prototype built;
+  };
+  std::mutex mutex_;
+  std::map<const TriangleMesh*, Entry> entries_;
+};
+
+PrototypeCache& prototype_cache() {
+  static PrototypeCache cache;
+  return cache;
 }
 
 }  // namespace
 
 struct RayTracer::State {
   const Scene* scene;
-  std::map<const TriangleMesh*, TracedScene> prototypes;
+  std::map<const TriangleMesh*, Prototype> prototypes;
+  std::vector<Eigen::Matrix3d> normal_maps;
   TracedScene top;
 };
 
@@ -70,9 +104,10 @@ RayTracer::RayTracer(const Scene& scene, double duration) : state_(std::make_uni
   state_->top.reset(rtcNewScene(device));
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& placed = scene.instances[i];
+    state_->normal_maps.push_back(placed.pose.linear().inverse().transpose());
     if (!placed.mesh || placed.mesh->triangles.empty()) continue;
     auto& prototype = state_->prototypes[placed.mesh.get()];
-    if (!prototype) prototype = build_prototype(*placed.mesh);
+    if (!prototype) prototype = prototype_cache().find(placed.mesh);
     RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, prototype.get());
     const Eigen::Vector3d shift =
@@ -117,7 +152,7 @@ bool RayTracer::trace(const Eigen::Vector3d& origin, const Eigen::Vector3d& dire
   const Instance& placed = state_->scene->instances[query.hit.instID[0]];
   const Eigen::Vector3d local(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z);
   hit.distance = query.ray.tfar;
-  hit.normal = (placed.pose.linear() * local).normalized();
+  hit.normal = (state_->normal_maps[query.hit.instID[0]] * local).normalized();
   if (hit.normal.dot(direction) > 0) hit.normal = -hit.normal;
   hit.material = placed.mesh->materials[query.hit.primID];
   hit.brightness = placed.brightness;

@@ -24,11 +24,11 @@ struct SceneObject {
 /// A mesh placed in the scene. Meshes are shared: a prototype is built once.
 struct Instance {
   std::shared_ptr<const TriangleMesh> mesh;
-  /// Mesh frame to the LiDAR frame of the reference time.
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  /// Mesh frame to the LiDAR frame of the reference time; may stretch the mesh along its axes.
+  Eigen::Affine3d pose = Eigen::Affine3d::Identity();
   /// Index into Scene::objects; -1 for the rest of the world.
   std::int32_t object = -1;
-  /// Multiplies the reflectivity of this instance's materials.
+  /// Multiplies the reflectivity of this instance's paint, cloth, walls and plants.
   double brightness = 1.0;
 };
 

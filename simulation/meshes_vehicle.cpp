@@ -1,0 +1,384 @@
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "arbox/simulation/internal/model_builders.h"
+
+namespace arbox::simulation {
+namespace {
+
+/// A cross section of a body, and what covers it as far as the next one.
+struct Station {
+  float x, bottom, shoulder, top;
+  float half_shoulder, half_top;
+  Material side = Material::kPaintLight;
+  Material roof = Material::kPaintLight;
+};
+
+using Section = std::array<Point, 8>;
+
+/// Half a section, from the middle of the floor to the middle of the roof.
+Section section_of(const Station& s, float sign) {
+  const float low = std::min(s.bottom + 0.14f, s.shoulder);
+  const float middle = 0.45f * s.bottom + 0.55f * s.shoulder;
+  const auto at = [&](float y, float z) { return Point(s.x, sign * y, z); };
+  return {at(0, s.bottom),
+          at(0.86f * s.half_shoulder, s.bottom),
+          at(0.965f * s.half_shoulder, low),
+          at(s.half_shoulder, middle),
+          at(0.975f * s.half_shoulder, s.shoulder),
+          at(s.half_top, s.top),
+          at(0.72f * s.half_top, s.top + 0.030f),
+          at(0, s.top + 0.045f)};
+}
+
+void loft(MeshBuilder& body, std::span<const Station> stations) {
+  for (const float sign : {-1.0f, 1.0f}) {
+    for (std::size_t i = 0; i + 1 < stations.size(); ++i) {
+      const Section a = section_of(stations[i], sign), b = section_of(stations[i + 1], sign);
+      for (std::size_t strip = 0; strip + 1 < a.size(); ++strip) {
+        const Material material = strip < 2    ? Material::kPlastic
+                                  : strip < 4  ? Material::kPaintLight
+                                  : strip == 4 ? stations[i].side
+                                               : stations[i].roof;
+        body.quad(a[strip], b[strip], b[strip + 1], a[strip + 1], material);
+      }
+    }
+    body.fan(section_of(stations.front(), sign), Material::kPaintLight);
+    body.fan(section_of(stations.back(), sign), Material::kPaintLight);
+  }
+}
+
+void add_seat(MeshBuilder& body, float x, float y, float width, float cushion, float top) {
+  body.block({x - 0.05f, y - width / 2, cushion - 0.14f}, {x + 0.45f, y + width / 2, cushion},
+             Material::kCloth);
+  body.block({x - 0.14f, y - width / 2, cushion}, {x, y + width / 2, top}, Material::kCloth);
+  if (width < 0.8f) {
+    body.block({x - 0.16f, y - 0.13f, top}, {x - 0.07f, y + 0.13f, top + 0.2f}, Material::kCloth);
+  }
+}
+
+struct CarShape {
+  float length, width, height;
+  float bottom, bonnet, shoulder;     // heights, metres
+  float cowl, roof_front, roof_rear;  // from the front, share of the length
+  float deck;                         // share of the length where the boot's deck begins; 1: none
+  float wheel;
+};
+
+CarShape shape_of(ModelKind kind, Dice& dice) {
+  const auto about = [&](double value, double part) {
+    return dice.uniform(value * (1 - part), value * (1 + part));
+  };
+  switch (kind) {
+    case ModelKind::kSmallCar:
+      return {about(3.45, .05),
+              1.60f,
+              about(1.49, .02),
+              .19f,
+              about(.86, .03),
+              about(.92, .02),
+              about(.26, .06),
+              .44f,
+              about(.93, .01),
+              1.0f,
+              .285f};
+    case ModelKind::kSedan:
+      return {about(4.40, .05),
+              1.72f,
+              about(1.43, .02),
+              .18f,
+              about(.82, .03),
+              about(.91, .02),
+              about(.30, .05),
+              .45f,
+              about(.74, .02),
+              .87f,
+              .31f};
+    case ModelKind::kEstate:
+      return {about(4.50, .04),
+              1.73f,
+              about(1.46, .02),
+              .18f,
+              about(.83, .03),
+              about(.92, .02),
+              about(.29, .05),
+              .43f,
+              about(.94, .01),
+              1.0f,
+              .31f};
+    case ModelKind::kSuv:
+      return {about(4.40, .05),
+              1.80f,
+              about(1.70, .02),
+              .27f,
+              about(1.02, .03),
+              about(1.08, .02),
+              about(.27, .05),
+              .41f,
+              about(.93, .01),
+              1.0f,
+              .36f};
+    case ModelKind::kMinivan:
+      return {about(4.35, .05),
+              1.74f,
+              about(1.66, .02),
+              .20f,
+              about(.95, .03),
+              about(1.0, .02),
+              about(.21, .06),
+              .37f,
+              about(.94, .01),
+              1.0f,
+              .31f};
+    case ModelKind::kPanelVan:
+      return {about(5.10, .08),
+              1.92f,
+              about(2.25, .08),
+              .22f,
+              about(1.10, .03),
+              about(1.2, .02),
+              about(.14, .10),
+              .25f,
+              about(.985, .005),
+              1.0f,
+              .34f};
+    case ModelKind::kMinibus:
+      return {about(4.80, .05),
+              1.88f,
+              about(1.95, .03),
+              .22f,
+              about(1.06, .03),
+              about(1.12, .02),
+              about(.15, .10),
+              .28f,
+              about(.97, .01),
+              1.0f,
+              .33f};
+    default:
+      return {about(3.95, .05),
+              1.67f,
+              about(1.47, .02),
+              .18f,
+              about(.84, .03),
+              about(.91, .02),
+              about(.27, .06),
+              .43f,
+              about(.92, .015),
+              1.0f,
+              .30f};
+  }
+}
+
+std::vector<Station> stations_of(const CarShape& car, bool side_windows, bool rear_window) {
+  const auto x = [&](float share) { return car.length * (0.5f - share); };
+  const float half = 0.5f * car.width, roof = car.height - 0.045f;
+  const float nose = 0.72f * car.bonnet, roof_half = 0.74f * half;
+  const Material window = side_windows ? Material::kGlass : Material::kPaintLight;
+  const Material rear = rear_window ? Material::kGlass : Material::kPaintLight;
+  constexpr Material kPaint = Material::kPaintLight;
+  std::vector<Station> list = {
+      {x(0), car.bottom + .09f, nose - .10f, nose - .08f, .70f * half, .60f * half, kPaint, kPaint},
+      {x(.012f), car.bottom + .02f, nose, nose + .02f, .86f * half, .74f * half, kPaint, kPaint},
+      {x(.05f), car.bottom, car.bonnet - .09f, car.bonnet - .06f, .965f * half, .82f * half, kPaint,
+       kPaint},
+      {x(.13f), car.bottom, car.bonnet - .05f, car.bonnet, half, .84f * half, kPaint, kPaint},
+      {x(car.cowl), car.bottom, car.shoulder - .03f, car.bonnet + .07f, half, .84f * half, window,
+       Material::kGlass},
+      {x(car.roof_front), car.bottom, car.shoulder, roof - .03f, half, roof_half, window, kPaint}};
+  const float first = car.roof_front, last = car.roof_rear;
+  const auto pillar = [&](float share) {
+    list.push_back(
+        {x(share - .008f), car.bottom, car.shoulder, roof, half, roof_half, kPaint, kPaint});
+    list.push_back(
+        {x(share + .012f), car.bottom, car.shoulder, roof, half, roof_half, window, kPaint});
+  };
+  pillar(first + .38f * (last - first));
+  pillar(first + .78f * (last - first));
+  list.push_back(
+      {x(last - .04f), car.bottom, car.shoulder, roof - .01f, half, roof_half, kPaint, kPaint});
+  list.push_back({x(last), car.bottom, car.shoulder + .01f, roof - .05f, half, .97f * roof_half,
+                  kPaint, rear});
+  if (car.deck < 1.0f) {
+    list.push_back({x(car.deck), car.bottom, car.shoulder, car.shoulder + .06f, half, .82f * half,
+                    kPaint, kPaint});
+    list.push_back({x(.975f), car.bottom + .02f, car.shoulder - .05f, car.shoulder + .03f,
+                    .95f * half, .80f * half, kPaint, kPaint});
+  } else {
+    list.push_back({x(std::max(.975f, last + .005f)), car.bottom + .02f, car.shoulder - .02f,
+                    car.shoulder + .04f, .95f * half, .78f * half, kPaint, kPaint});
+  }
+  list.push_back({x(1.0f), car.bottom + .08f, .52f * car.shoulder, .54f * car.shoulder + .02f,
+                  .80f * half, .72f * half, kPaint, kPaint});
+  return list;
+}
+
+void add_lamps_and_plates(MeshBuilder& body, const CarShape& car) {
+  const float front = 0.5f * car.length, half = 0.5f * car.width;
+  for (const float sign : {-1.0f, 1.0f}) {
+    const float y = sign * 0.74f * half;
+    body.block({front - .16f, y - .14f, .70f * car.bonnet},
+               {front - .018f * car.length, y + .14f, .84f * car.bonnet}, Material::kPlastic);
+    body.block({-front + .006f * car.length, y - .08f, .66f * car.shoulder},
+               {-front + .15f, y + .08f, .90f * car.shoulder}, Material::kPlastic);
+    body.block({-front + .004f, y - .05f, .48f * car.shoulder},
+               {-front + .08f, y + .05f, .53f * car.shoulder}, Material::kRetroreflector);
+  }
+  body.block({front - .06f, -.26f, .42f * car.bonnet}, {front, .26f, .42f * car.bonnet + .11f},
+             Material::kRetroreflector);
+  body.block({-front, -.26f, .56f * car.shoulder},
+             {-front + .06f, .26f, .56f * car.shoulder + .11f}, Material::kRetroreflector);
+}
+
+void add_mirrors(MeshBuilder& overhang, const CarShape& car) {
+  const float x = car.length * (0.5f - car.cowl) - .28f, half = 0.5f * car.width;
+  for (const float sign : {-1.0f, 1.0f}) {
+    const float inner = sign * .90f * half,
+                outer = sign * (half + static_cast<float>(kMirrorOverhang) - .005f);
+    overhang.block({x - .05f, std::min(inner, outer), car.shoulder - .02f},
+                   {x + .06f, std::max(inner, outer), car.shoulder + .12f}, Material::kPaintLight);
+  }
+}
+
+}  // namespace
+
+void add_wheel(MeshBuilder& body, float x, float outer, float inner, float radius) {
+  const float rim = outer + (outer > inner ? -.004f : .004f);
+  body.cylinder({x, inner, radius}, {x, rim, radius}, radius, radius, 14, Material::kRubber);
+  body.cylinder({x, inner, radius}, {x, outer, radius}, .62f * radius, .60f * radius, 12,
+                Material::kMetal);
+}
+
+void build_vehicle(ModelKind kind, Dice& dice, MeshBuilder& body, MeshBuilder& overhang) {
+  const CarShape car = shape_of(kind, dice);
+  const bool van = kind == ModelKind::kPanelVan;
+  const bool side_windows = !van;
+  loft(body, stations_of(car, side_windows, !van || dice.chance(0.5)));
+  const float half = 0.5f * car.width;
+  const float front_axle = car.length * dice.uniform(.30, .325),
+              rear_axle = -car.length * dice.uniform(.275, .30);
+  for (const float sign : {-1.0f, 1.0f}) {
+    for (const float x : {front_axle, rear_axle}) {
+      add_wheel(body, x, sign * half, sign * (half - .22f), car.wheel);
+    }
+  }
+  const float cushion = car.bottom + .30f, back = car.shoulder + .06f;
+  const float cabin_front = car.length * (.5f - car.cowl), dashboard = cabin_front - .30f;
+  body.block({dashboard - .25f, -.82f * half, car.bottom + .25f},
+             {dashboard + .10f, .82f * half, car.shoulder - .04f}, Material::kPlastic);
+  const float seat_y = .44f * half;
+  add_seat(body, dashboard - 1.05f, seat_y, .5f, cushion, back);
+  add_seat(body, dashboard - 1.05f, -seat_y, .5f, cushion, back);
+  if (van) {
+    const float wall = dashboard - 1.30f;
+    body.block({wall - .04f, -.93f * half, car.bottom + .1f}, {wall, .93f * half, car.height - .2f},
+               Material::kMetal);
+  } else {
+    add_seat(body, dashboard - 1.95f, 0.0f, 1.5f * half, cushion + .02f, back);
+    if (kind == ModelKind::kMinibus) {
+      add_seat(body, dashboard - 2.8f, 0.0f, 1.5f * half, cushion + .02f, back);
+    }
+  }
+  if (dice.chance(0.25)) {
+    body.ellipsoid({dashboard - .88f, seat_y, car.shoulder + .22f}, {.11f, .09f, .13f},
+                   Material::kSkin, 4, 7);
+    body.ellipsoid({dashboard - .90f, seat_y, car.shoulder - .08f}, {.14f, .23f, .24f},
+                   Material::kCloth, 4, 7);
+  }
+  add_lamps_and_plates(body, car);
+  add_mirrors(overhang, car);
+}
+
+void build_truck(Dice& dice, bool articulated, MeshBuilder& body, MeshBuilder& overhang) {
+  const float length = articulated ? dice.uniform(13.5, 16.5) : dice.uniform(6.2, 10.5);
+  const float width = dice.uniform(2.4, 2.6), half = .5f * width;
+  const float height = articulated ? dice.uniform(3.6, 4.0) : dice.uniform(2.8, 3.5);
+  const float cab = articulated ? 2.2f : dice.uniform(1.7, 2.1);
+  const float front = .5f * length, cab_top = std::min(height - .05f, dice.uniform(2.5, 3.2));
+  const float cab_back = front - cab;
+  constexpr Material kPaint = Material::kPaintLight;
+  const std::vector<Station> stations = {
+      {front, .50f, 1.25f, 1.30f, .92f * half, .90f * half, kPaint, Material::kGlass},
+      {front - .12f, .45f, 1.30f, cab_top - .45f, half, .93f * half, Material::kGlass, kPaint},
+      {front - .45f, .45f, 1.35f, cab_top - .05f, half, .93f * half, Material::kGlass, kPaint},
+      {front - 1.3f, .45f, 1.35f, cab_top - .045f, half, .93f * half, kPaint, kPaint},
+      {cab_back, .50f, 1.35f, cab_top - .045f, half, .93f * half, kPaint, kPaint}};
+  loft(body, stations);
+  add_seat(body, cab_back + .5f, .45f * half, .55f, 1.1f, 1.75f);
+  add_seat(body, cab_back + .5f, -.45f * half, .55f, 1.1f, 1.75f);
+  const bool flat = !articulated && dice.chance(0.3);
+  const float bed = 1.05f, bed_front = cab_back - (articulated ? .7f : .12f);
+  const float wall_top = flat ? bed + .6f : height;
+  const Material wall = dice.chance(0.6) ? kPaint : Material::kCloth;
+  body.block({-front, -half, bed}, {bed_front, half, wall_top}, wall);
+  if (flat) {
+    body.block({-.2f * length, -.6f * half, bed}, {.1f * length, .6f * half, height},
+               Material::kWood);
+  }
+  body.block({-front + .1f, -.35f * half, .70f}, {front - .4f, .35f * half, bed}, Material::kMetal);
+  body.block({-front, -.9f * half, .45f}, {-front + .08f, .9f * half, .60f}, Material::kMetal);
+  body.block({-front + 3.2f, -half, .5f}, {bed_front - 1.4f, -half + .05f, .95f}, kPaint);
+  body.block({-front + 3.2f, half - .05f, .5f}, {bed_front - 1.4f, half, .95f}, kPaint);
+  std::vector<float> axles = {front - 1.1f, -front + 1.5f};
+  if (length > 8.5f) axles.push_back(-front + 2.7f);
+  if (articulated) {
+    axles.push_back(-front + 3.9f);
+    axles.push_back(front - 4.6f);
+  }
+  for (const float sign : {-1.0f, 1.0f}) {
+    for (const float x : axles) add_wheel(body, x, sign * half, sign * (half - .45f), .48f);
+    const float inner = sign * .94f * half, outer = sign * (half + .085f);
+    overhang.block({front - .35f, std::min(inner, outer), 1.75f},
+                   {front - .25f, std::max(inner, outer), 2.35f}, Material::kPlastic);
+    body.block({-front, sign * .8f * half - .1f, .7f},
+               {-front + .05f, sign * .8f * half + .1f, .8f}, Material::kRetroreflector);
+  }
+}
+
+void build_tram(Dice& dice, MeshBuilder& body) {
+  const float length = dice.chance(0.7) ? dice.uniform(13.0, 18.0) : dice.uniform(26.0, 33.0);
+  const float half = .5f * dice.uniform(2.3, 2.65), height = dice.uniform(3.3, 3.7);
+  const float front = .5f * length, shoulder = 1.6f, roof = height - .30f;
+  constexpr Material kPaint = Material::kPaintLight, kGlass = Material::kGlass;
+  std::vector<Station> list = {
+      {front, .45f, 1.3f, 1.35f, .70f * half, .68f * half, kPaint, kGlass},
+      {front - .35f, .38f, shoulder, roof - .5f, .90f * half, .80f * half, kGlass, kPaint},
+      {front - .9f, .35f, shoulder, roof, half, .92f * half, kGlass, kPaint}};
+  for (float x = front - 2.2f; x > -front + 1.6f; x -= 1.7f) {
+    list.push_back({x, .35f, shoulder, roof, half, .92f * half, kPaint, kPaint});
+    list.push_back({x - .22f, .35f, shoulder, roof, half, .92f * half, kGlass, kPaint});
+  }
+  list.push_back({-front + .9f, .35f, shoulder, roof, half, .92f * half, kGlass, kPaint});
+  list.push_back(
+      {-front + .35f, .38f, shoulder, roof - .5f, .90f * half, .80f * half, kPaint, kGlass});
+  list.push_back({-front, .45f, 1.3f, 1.35f, .70f * half, .68f * half, kPaint, kPaint});
+  loft(body, list);
+  for (float x = front - 2.8f; x > -front + 2.0f; x -= .9f) {
+    add_seat(body, x, .55f * half, .85f, 1.15f, 1.75f);
+    add_seat(body, x, -.55f * half, .85f, 1.15f, 1.75f);
+  }
+  for (const float x : {.62f * front, -.62f * front}) {
+    for (const float axle : {x - .9f, x + .9f}) {
+      body.cylinder({axle, -.6f, .33f}, {axle, .6f, .33f}, .33f, .33f, 12, Material::kMetal);
+    }
+    body.block({x - 1.3f, -.8f, .12f}, {x + 1.3f, .8f, .4f}, Material::kMetal);
+  }
+  body.block({-.6f, -.6f, roof}, {1.2f, .6f, height}, Material::kMetal);
+}
+
+void build_trailer(Dice& dice, MeshBuilder& body) {
+  const float length = dice.uniform(2.2, 4.5), half = .5f * dice.uniform(1.4, 2.2);
+  const float height = dice.uniform(1.2, 2.6), front = .5f * length;
+  const float box_front = front - .9f;
+  body.block({-front, -half, .5f}, {box_front, half, height},
+             dice.chance(0.5) ? Material::kCloth : Material::kPaintLight);
+  body.cylinder({box_front, 0, .52f}, {front, 0, .52f}, .04f, .04f, 6, Material::kMetal);
+  body.cylinder({front - .25f, 0, 0}, {front - .25f, 0, .5f}, .06f, .03f, 6, Material::kMetal);
+  for (const float sign : {-1.0f, 1.0f}) {
+    add_wheel(body, -.15f * length, sign * half, sign * (half - .18f), .30f);
+    body.block({-front, sign * .75f * half - .06f, .55f},
+               {-front + .02f, sign * .75f * half + .06f, .67f}, Material::kRetroreflector);
+  }
+}
+
+}  // namespace arbox::simulation

@@ -1,7 +1,7 @@
 #include <ATen/Parallel.h>
 #include <ATen/TensorOperators.h>
-#include <ATen/core/ivalue.h>
 #include <ATen/core/grad_mode.h>
+#include <ATen/core/ivalue.h>
 #include <ATen/ops/elu.h>
 #include <ATen/ops/ones.h>
 #include <ATen/ops/rand.h>
@@ -40,9 +40,9 @@ struct Network : torch::nn::Module {
     for (int level = 0; level < 4; ++level) {
       auto& layer = layers.emplace_back();
       for (int b = 0; b < blocks[level]; ++b) {
-        layer.push_back(register_module(
-            "layer" + std::to_string(level + 1) + "_" + std::to_string(b),
-            std::make_shared<ResidualBlock>(in, planes[level], b == 0 ? 2 : 1)));
+        layer.push_back(
+            register_module("layer" + std::to_string(level + 1) + "_" + std::to_string(b),
+                            std::make_shared<ResidualBlock>(in, planes[level], b == 0 ? 2 : 1)));
         in = planes[level];
       }
       const std::string name = std::to_string(level);
@@ -192,10 +192,16 @@ void network(benchmark::State& state, int every, int threads) {
 }
 
 BENCHMARK_CAPTURE(network, half_the_points_2_threads, 2, 2)
-    ->Unit(benchmark::kMillisecond)->UseManualTime()->Iterations(3);
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime()
+    ->Iterations(3);
 BENCHMARK_CAPTURE(network, all_points_2_threads, 1, 2)
-    ->Unit(benchmark::kMillisecond)->UseManualTime()->Iterations(3);
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime()
+    ->Iterations(3);
 BENCHMARK_CAPTURE(network, half_the_points_1_thread, 2, 1)
-    ->Unit(benchmark::kMillisecond)->UseManualTime()->Iterations(2);
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime()
+    ->Iterations(2);
 
 }  // namespace

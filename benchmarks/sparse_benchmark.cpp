@@ -1,6 +1,6 @@
 #include <ATen/Parallel.h>
-#include <ATen/core/ivalue.h>
 #include <ATen/core/grad_mode.h>
+#include <ATen/core/ivalue.h>
 #include <ATen/ops/randn.h>
 #include <benchmark/benchmark.h>
 #include <flann/flann.hpp>
@@ -73,8 +73,9 @@ struct Convolution {
       gathered.resize(count * in_channels);
       product.resize(count * out_channels);
       for (std::int64_t p = 0; p < count; ++p) {
-        std::copy_n(input.data() + std::int64_t{rows().inputs[map().inputs[begin + p]]} * in_channels,
-                    in_channels, gathered.data() + p * in_channels);
+        std::copy_n(
+            input.data() + std::int64_t{rows().inputs[map().inputs[begin + p]]} * in_channels,
+            in_channels, gathered.data() + p * in_channels);
       }
       dnnl_sgemm('N', 'N', count, out_channels, in_channels, 1.0f, gathered.data(), in_channels,
                  weight.data() + k * in_channels * out_channels, out_channels, 0.0f, product.data(),
@@ -154,8 +155,7 @@ void generative(benchmark::State& state, bool cached) {
 
 void furthest(benchmark::State& state, std::size_t size) {
   const auto points = kitti_points(8, size);
-  time_beside_sgemm(state, 0,
-                    [&] { benchmark::DoNotOptimize(furthest_points(points, 2048)); });
+  time_beside_sgemm(state, 0, [&] { benchmark::DoNotOptimize(furthest_points(points, 2048)); });
 }
 
 void balls(benchmark::State& state, float radius, bool with_flann) {

@@ -62,9 +62,8 @@ std::vector<Coordinate> nearest(std::vector<Coordinate> voxels, std::size_t coun
   const auto distance = [&size](const Coordinate& c) {
     return std::hypot(c.x * size[0], c.y * size[1], c.z * size[2]);
   };
-  std::sort(voxels.begin(), voxels.end(), [&](const Coordinate& a, const Coordinate& b) {
-    return distance(a) < distance(b);
-  });
+  std::sort(voxels.begin(), voxels.end(),
+            [&](const Coordinate& a, const Coordinate& b) { return distance(a) < distance(b); });
   voxels.resize(std::min(count, voxels.size()));
   std::shuffle(voxels.begin(), voxels.end(), std::mt19937(7));
   return voxels;
@@ -72,8 +71,7 @@ std::vector<Coordinate> nearest(std::vector<Coordinate> voxels, std::size_t coun
 
 std::vector<Coordinate> voxels_of(const std::vector<float>& rows, std::size_t columns,
                                   const std::array<double, 3>& size, std::int32_t batch) {
-  const geometry::PointCloudView cloud(rows.data(), rows.size() / columns,
-                                       columns * sizeof(float));
+  const geometry::PointCloudView cloud(rows.data(), rows.size() / columns, columns * sizeof(float));
   return sparse::voxelize(cloud, {}, {.voxel_size = size, .feature = "first"}, batch).coordinates;
 }
 

@@ -36,9 +36,9 @@ at::Tensor own_forward(const Connection& connection, const at::Tensor& features,
   const at::Tensor residual =
       epilogue.residual.defined() ? epilogue.residual.contiguous() : at::Tensor();
   at::Tensor result = at::empty({connection.outputs->size(), weight.size(2)}, features.options());
-  convolve(*connection.map, rows_of(connection), input.data_ptr<float>(),
-           kernel.data_ptr<float>(), static_cast<std::int32_t>(weight.size(1)),
-           static_cast<std::int32_t>(weight.size(2)), result.data_ptr<float>(),
+  convolve(*connection.map, rows_of(connection), input.data_ptr<float>(), kernel.data_ptr<float>(),
+           static_cast<std::int32_t>(weight.size(1)), static_cast<std::int32_t>(weight.size(2)),
+           result.data_ptr<float>(),
            {.scale = numbers(epilogue.scale),
             .shift = numbers(epilogue.shift),
             .residual = residual.defined() ? residual.data_ptr<float>() : nullptr,
@@ -59,8 +59,8 @@ at::Tensor own_input_gradient(const Connection& connection, const at::Tensor& gr
 at::Tensor own_weight_gradient(const Connection& connection, const at::Tensor& features,
                                const at::Tensor& gradient) {
   const at::Tensor input = features.contiguous();
-  at::Tensor result = at::empty(
-      {connection.map->elements(), features.size(1), gradient.size(1)}, features.options());
+  at::Tensor result = at::empty({connection.map->elements(), features.size(1), gradient.size(1)},
+                                features.options());
   convolve_weight_gradient(*connection.map, rows_of(connection), input.data_ptr<float>(),
                            gradient.data_ptr<float>(), static_cast<std::int32_t>(features.size(1)),
                            static_cast<std::int32_t>(gradient.size(1)), result.data_ptr<float>());
@@ -76,11 +76,9 @@ class SparseConvolution : public torch::autograd::Function<SparseConvolution> {
     const bool biased = bias.numel() > 0;
     context->save_for_backward({features, weight});
     context->saved_data["bias"] = biased;
-    context->saved_data["connection"] =
-        internal::hold(connection);
+    context->saved_data["connection"] = internal::hold(connection);
     if (runs_own_kernels(features)) {
-      return own_forward(connection, features, weight,
-                         {.shift = biased ? bias : at::Tensor()});
+      return own_forward(connection, features, weight, {.shift = biased ? bias : at::Tensor()});
     }
     at::Tensor result = internal::plain_convolve(connection, features, weight);
     return biased ? result.add_(bias) : result;
@@ -115,8 +113,9 @@ void refuse(const char* what, const at::Tensor& tensor) {
 
 at::Tensor checked_weight(const Connection& connection, const at::Tensor& features,
                           const at::Tensor& weight) {
-  const bool known = features.dim() == 2 && features.size(0) == connection.inputs->size() &&
-                     (features.scalar_type() == at::kFloat || features.scalar_type() == at::kDouble);
+  const bool known =
+      features.dim() == 2 && features.size(0) == connection.inputs->size() &&
+      (features.scalar_type() == at::kFloat || features.scalar_type() == at::kDouble);
   if (!known) refuse("expected float32 or float64 features, one row a voxel", features);
   const at::Tensor kernel = weight.dim() == 2 ? weight.unsqueeze(0) : weight;
   if (kernel.dim() != 3 || kernel.size(0) != connection.map->elements() ||
@@ -146,9 +145,8 @@ at::Tensor convolve(const Connection& connection, const at::Tensor& features,
   const at::Tensor kernel = checked_weight(connection, features, weight);
   const at::Tensor shift =
       checked_vector(bias, kernel, "expected one bias an output channel, like the weights");
-  return SparseConvolution::apply(features, kernel,
-                                  shift.defined() ? shift : at::empty({0}, kernel.options()),
-                                  connection);
+  return SparseConvolution::apply(
+      features, kernel, shift.defined() ? shift : at::empty({0}, kernel.options()), connection);
 }
 
 at::Tensor convolve_fused(const Connection& connection, const at::Tensor& features,

@@ -51,8 +51,8 @@ std::vector<std::array<std::int64_t, 8>> corner_rows(const SparseTensor& tensor,
   const SortedCoordinates cells = unique_coordinates(corners.cells);
   KernelGeometry geometry;
   for (int corner = 0; corner < 8; ++corner) {
-    geometry.offsets.push_back({(corner & 1) * stride[0], (corner >> 1 & 1) * stride[1],
-                                (corner >> 2) * stride[2]});
+    geometry.offsets.push_back(
+        {(corner & 1) * stride[0], (corner >> 1 & 1) * stride[1], (corner >> 2) * stride[2]});
   }
   const SortedCoordinates& sorted = tensor.set()->sorted();
   const KernelMap map = build_kernel_map(sorted, cells, geometry);

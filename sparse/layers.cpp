@@ -80,8 +80,7 @@ SparseTensor InstanceNorm::forward(const SparseTensor& input) {
     return at::zeros({input.batch_size(), values.size(1)}, values.options())
         .index_add(0, scene, values);
   };
-  const at::Tensor counts =
-      sums(at::ones({input.size(), 1}, x.options())).clamp_min(1);
+  const at::Tensor counts = sums(at::ones({input.size(), 1}, x.options())).clamp_min(1);
   const at::Tensor centred = x - (sums(x) / counts).index_select(0, scene);
   const at::Tensor deviation = (sums(centred.square()) / counts + epsilon_).sqrt();
   return input.with_features(centred * (weight_ / deviation).index_select(0, scene) + bias_);
@@ -93,8 +92,8 @@ Convolution::Convolution(std::int64_t in_channels, std::int64_t out_channels, co
   const bool matrix = kernel.elements() == 1 && kernel.stride == Triple{1, 1, 1};
   std::vector<std::int64_t> shape = {in_channels, out_channels};
   if (!matrix) shape.insert(shape.begin(), kernel.elements());
-  weight_ = register_parameter(
-      "kernel", initial_weight(std::move(shape), out_channels * kernel.elements()));
+  weight_ = register_parameter("kernel",
+                               initial_weight(std::move(shape), out_channels * kernel.elements()));
   if (bias) bias_ = register_parameter("bias", at::zeros({1, out_channels}));
 }
 
@@ -136,9 +135,9 @@ GridConvolution::GridConvolution(std::int64_t in_channels, std::int64_t out_chan
                                  const Kernel& kernel, bool bias)
     : kernel_(kernel),
       weight_(register_parameter(
-          "weight", initial_weight({out_channels, kernel.size[2], kernel.size[1], kernel.size[0],
-                                    in_channels},
-                                   out_channels * kernel.elements()))) {
+          "weight", initial_weight(
+                        {out_channels, kernel.size[2], kernel.size[1], kernel.size[0], in_channels},
+                        out_channels * kernel.elements()))) {
   if (bias) bias_ = register_parameter("bias", at::zeros({out_channels}));
 }
 
@@ -173,9 +172,9 @@ ResidualBlock::ResidualBlock(std::int64_t in_channels, std::int64_t out_channels
   if (stride == 1 && in_channels == out_channels) return;
   const auto downsample = register_module("downsample", std::make_shared<torch::nn::Module>());
   shortcut_ = downsample->register_module(
-      "0", std::make_shared<Convolution>(
-               in_channels, out_channels,
-               Kernel{.size = {1, 1, 1}, .stride = {stride, stride, stride}}));
+      "0",
+      std::make_shared<Convolution>(in_channels, out_channels,
+                                    Kernel{.size = {1, 1, 1}, .stride = {stride, stride, stride}}));
   shortcut_norm_ = downsample->register_module("1", std::make_shared<VoxelBatchNorm>(out_channels));
 }
 

@@ -187,8 +187,8 @@ std::vector<std::int32_t> box_of_points(std::span<const float> points,
   std::vector<std::array<double, 9>> axes(count);
   for (std::int64_t b = 0; b < count; ++b) {
     const double* box = boxes.data() + 10 * b;
-    const double norm = std::sqrt(box[6] * box[6] + box[7] * box[7] + box[8] * box[8] +
-                                  box[9] * box[9]);
+    const double norm =
+        std::sqrt(box[6] * box[6] + box[7] * box[7] + box[8] * box[8] + box[9] * box[9]);
     const double w = box[6] / norm, x = box[7] / norm, y = box[8] / norm, z = box[9] / norm;
     // Columns of the rotation matrix: the axes of the box.
     axes[b] = {1 - 2 * (y * y + z * z), 2 * (x * y + w * z),     2 * (x * z - w * y),

@@ -23,7 +23,7 @@ enum class BallRule {
 };
 
 struct BallQuery {
-  float radius = 1;         ///< metres; a point is inside if its squared distance is < radius^2
+  float radius = 1;           ///< metres; a point is inside if its squared distance is < radius^2
   std::int32_t samples = 16;  ///< indices for each centre
   BallRule rule = BallRule::kFirst;
 };

@@ -73,9 +73,9 @@ at::Tensor ball_query(const at::Tensor& points, const at::Tensor& centres, const
   auto* to = result.data_ptr<std::int64_t>();
   std::int64_t first_point = 0, first_centre = 0;
   for (std::size_t scene = 0; scene < point_counts.size(); ++scene) {
-    const auto found = ball_query(
-        numbers(from).subspan(3 * first_point, 3 * point_counts[scene]),
-        numbers(around).subspan(3 * first_centre, 3 * centre_counts[scene]), query);
+    const auto found =
+        ball_query(numbers(from).subspan(3 * first_point, 3 * point_counts[scene]),
+                   numbers(around).subspan(3 * first_centre, 3 * centre_counts[scene]), query);
     for (const std::int32_t index : found) *to++ = index < 0 ? -1 : index + first_point;
     first_point += point_counts[scene];
     first_centre += centre_counts[scene];
@@ -101,8 +101,8 @@ at::Tensor sample_birds_eye(const at::Tensor& map, const at::Tensor& places) {
   const std::int64_t height = map.size(2), width = map.size(3);
   const at::Tensor rows = map.permute({0, 2, 3, 1}).reshape({-1, map.size(1)});
   const at::Tensor batch = places.select(1, 0).to(at::kLong);
-  if (batch.numel() > 0 && (batch.min().item<std::int64_t>() < 0 ||
-                            batch.max().item<std::int64_t>() >= map.size(0))) {
+  if (batch.numel() > 0 &&
+      (batch.min().item<std::int64_t>() < 0 || batch.max().item<std::int64_t>() >= map.size(0))) {
     throw InvalidArgument("sample_birds_eye: a place names a scene that the map does not have");
   }
   const at::Tensor x = places.select(1, 1).to(map.scalar_type());
@@ -121,12 +121,11 @@ at::Tensor roi_grid_points(const at::Tensor& boxes, std::int64_t cells) {
   require_shape(boxes, 2, 10, "roi_grid_points: expected boxes (R, 10)");
   if (cells < 1) throw InvalidArgument("roi_grid_points: expected at least one cell an axis");
   const at::Tensor place = (at::arange(cells, boxes.options()) + 0.5) / cells - 0.5;
-  const at::Tensor unit =
-      at::stack({place.view({cells, 1, 1}).expand({cells, cells, cells}),
-                 place.view({1, cells, 1}).expand({cells, cells, cells}),
-                 place.view({1, 1, cells}).expand({cells, cells, cells})},
-                -1)
-          .reshape({1, cells * cells * cells, 3});
+  const at::Tensor unit = at::stack({place.view({cells, 1, 1}).expand({cells, cells, cells}),
+                                     place.view({1, cells, 1}).expand({cells, cells, cells}),
+                                     place.view({1, 1, cells}).expand({cells, cells, cells})},
+                                    -1)
+                              .reshape({1, cells * cells * cells, 3});
   const at::Tensor local = unit * boxes.slice(1, 3, 6).unsqueeze(1);
   const at::Tensor q = boxes.slice(1, 6, 10) / boxes.slice(1, 6, 10).norm(2, 1, true);
   const at::Tensor w = q.select(1, 0), x = q.select(1, 1), y = q.select(1, 2), z = q.select(1, 3);

@@ -85,12 +85,10 @@ class MaxPool : public torch::autograd::Function<MaxPool> {
     at::Tensor result =
         at::empty({connection.outputs->size(), features.size(1)}, features.options());
     at::Tensor winners = at::full(result.sizes(), -1, at::kInt);
-    AT_DISPATCH_FLOATING_TYPES(features.scalar_type(), "max_pool", [&] {
-      maxima<scalar_t>(connection, input, result, winners);
-    });
+    AT_DISPATCH_FLOATING_TYPES(features.scalar_type(), "max_pool",
+                               [&] { maxima<scalar_t>(connection, input, result, winners); });
     context->saved_data["winners"] = winners;
-    context->saved_data["connection"] =
-        internal::hold(connection);
+    context->saved_data["connection"] = internal::hold(connection);
     return result;
   }
 
@@ -129,8 +127,7 @@ class SumPool : public torch::autograd::Function<SumPool> {
  public:
   static at::Tensor forward(AutogradContext* context, const at::Tensor& features,
                             const Connection& connection) {
-    context->saved_data["connection"] =
-        internal::hold(connection);
+    context->saved_data["connection"] = internal::hold(connection);
     const at::Tensor input = features.contiguous();
     at::Tensor result =
         at::zeros({connection.outputs->size(), features.size(1)}, features.options());
@@ -161,7 +158,8 @@ void require_cpu(const SparseTensor& input, const char* what) {
     throw NotAvailable(std::string(what) + ": only the CPU is supported, got " +
                        input.features().device().str());
   }
-  if (input.features().scalar_type() != at::kFloat && input.features().scalar_type() != at::kDouble) {
+  if (input.features().scalar_type() != at::kFloat &&
+      input.features().scalar_type() != at::kDouble) {
     throw InvalidArgument(std::string(what) + ": expected float32 or float64 features");
   }
 }

@@ -41,11 +41,11 @@ SetAbstraction::SetAbstraction(std::int64_t in_channels, std::vector<Abstraction
       const std::size_t at = 3 * layers.size();
       const auto linear =
           mlp->register_module(std::to_string(at), std::make_shared<torch::nn::Module>());
-      const at::Tensor weight = linear->register_parameter(
-          "weight", at::randn({width, channels, 1, 1}) *
-                        std::sqrt(2.0 / static_cast<double>(channels)));
-      const auto norm = mlp->register_module(std::to_string(at + 1),
-                                             std::make_shared<BatchNorm>(width, epsilon));
+      const at::Tensor weight =
+          linear->register_parameter("weight", at::randn({width, channels, 1, 1}) *
+                                                   std::sqrt(2.0 / static_cast<double>(channels)));
+      const auto norm =
+          mlp->register_module(std::to_string(at + 1), std::make_shared<BatchNorm>(width, epsilon));
       layers.push_back({weight, norm});
       channels = width;
     }
@@ -71,10 +71,9 @@ at::Tensor SetAbstraction::forward(const Input& input) {
                         layers_.front().front().weight.scalar_type() == at::kFloat;
   std::vector<at::Tensor> results;
   for (std::size_t s = 0; s < scales_.size(); ++s) {
-    const at::Tensor index =
-        ball_query(input.points, input.centres,
-                   {.radius = scales_[s].radius, .samples = scales_[s].samples},
-                   input.point_counts, input.centre_counts);
+    const at::Tensor index = ball_query(
+        input.points, input.centres, {.radius = scales_[s].radius, .samples = scales_[s].samples},
+        input.point_counts, input.centre_counts);
     results.push_back(one_pass ? folded(input, layers_[s], index)
                                : differentiable(input, layers_[s], index));
   }
@@ -106,21 +105,20 @@ at::Tensor SetAbstraction::folded(const Input& input, const std::vector<Layer>& 
   const auto first = layers[0].norm->folded();
   const at::Tensor weight = (as_matrix(layers[0].weight) * first.scale).contiguous();
   const at::Tensor points = input.points.contiguous(), centres = input.centres.contiguous();
-  const at::Tensor projected =
-      in_channels_ > 0 ? at::matmul(input.features, weight.slice(0, 3)).contiguous()
-                       : at::zeros({points.size(0), weight.size(1)}, weight.options());
+  const at::Tensor projected = in_channels_ > 0
+                                   ? at::matmul(input.features, weight.slice(0, 3)).contiguous()
+                                   : at::zeros({points.size(0), weight.size(1)}, weight.options());
   std::vector<at::Tensor> kept;
-  internal::AbstractionProblem problem{
-      .points = points.data_ptr<float>(),
-      .centres = centres.data_ptr<float>(),
-      .index = index.data_ptr<std::int64_t>(),
-      .centre_count = index.size(0),
-      .samples = static_cast<std::int32_t>(index.size(1)),
-      .projected = projected.data_ptr<float>(),
-      .position_weight = weight.data_ptr<float>(),
-      .first_shift = first.shift.data_ptr<float>(),
-      .width = static_cast<std::int32_t>(weight.size(1)),
-      .layers = {}};
+  internal::AbstractionProblem problem{.points = points.data_ptr<float>(),
+                                       .centres = centres.data_ptr<float>(),
+                                       .index = index.data_ptr<std::int64_t>(),
+                                       .centre_count = index.size(0),
+                                       .samples = static_cast<std::int32_t>(index.size(1)),
+                                       .projected = projected.data_ptr<float>(),
+                                       .position_weight = weight.data_ptr<float>(),
+                                       .first_shift = first.shift.data_ptr<float>(),
+                                       .width = static_cast<std::int32_t>(weight.size(1)),
+                                       .layers = {}};
   for (std::size_t i = 1; i < layers.size(); ++i) {
     const auto norm = layers[i].norm->folded();
     kept.push_back((as_matrix(layers[i].weight) * norm.scale).contiguous());

@@ -10,8 +10,8 @@ namespace arbox::sparse {
 
 /// Features of the occupied voxels of a batch of scenes. A value type; copies share everything.
 ///
-/// Row i of features() (N, C) belongs to row i of coordinates() (N, 4): batch, x, y, z. Features are
-/// float32, or float64 for gradient checks, on any device; the coordinate set lives on the CPU.
+/// Row i of features() (N, C) belongs to row i of coordinates() (N, 4): batch, x, y, z. Features
+/// are float32, or float64 for gradient checks, on any device; the coordinate set lives on the CPU.
 /// Tensors of one network pass share one CoordinateManager, so that kernel maps are built once.
 /// What coordinates and strides mean: Lattice, docs/sparse.md.
 class SparseTensor {

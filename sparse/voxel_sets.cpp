@@ -79,8 +79,7 @@ void refuse(const std::string& expected, const at::Tensor& tensor) {
 class UnionSum : public torch::autograd::Function<UnionSum> {
  public:
   static at::Tensor forward(AutogradContext* context, const at::Tensor& a, const at::Tensor& b,
-                            const at::Tensor& from_a, const at::Tensor& from_b,
-                            std::int64_t rows) {
+                            const at::Tensor& from_a, const at::Tensor& from_b, std::int64_t rows) {
     context->saved_data["from_a"] = from_a;
     context->saved_data["from_b"] = from_b;
     at::Tensor sum = at::zeros({rows, a.size(1)}, a.options());
@@ -113,8 +112,8 @@ DenseRows dense_rows(const SparseTensor& tensor, const DenseRegion& region) {
     bool inside = true;
     for (int axis = 2; axis >= 0; --axis) {
       const std::int32_t index = offset[axis] / stride[axis];
-      inside = inside && offset[axis] >= 0 && offset[axis] % stride[axis] == 0 &&
-               index < cells[axis];
+      inside =
+          inside && offset[axis] >= 0 && offset[axis] % stride[axis] == 0 && index < cells[axis];
       cell = cell * cells[axis] + index;
     }
     if (!inside) continue;
@@ -235,7 +234,8 @@ SparseTensor from_dense(const at::Tensor& dense, const Lattice& lattice, const T
 
 at::Tensor birds_eye(const SparseTensor& tensor) {
   const at::Tensor dense = to_dense(tensor);
-  return dense.reshape({dense.size(0), dense.size(1) * dense.size(2), dense.size(3), dense.size(4)});
+  return dense.reshape(
+      {dense.size(0), dense.size(1) * dense.size(2), dense.size(3), dense.size(4)});
 }
 
 }  // namespace arbox::sparse

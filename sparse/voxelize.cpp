@@ -99,8 +99,7 @@ class FeatureWriter {
     } else {
       const RandomStream stream(options_.seed, static_cast<std::uint64_t>(point_at(0)),
                                 kRandomPoint);
-      add(point_at(static_cast<std::int32_t>(
-          stream.below(0, static_cast<std::uint32_t>(count)))));
+      add(point_at(static_cast<std::int32_t>(stream.below(0, static_cast<std::uint32_t>(count)))));
     }
     for (const double sum : sums_) features.push_back(static_cast<float>(sum));
   }
@@ -142,9 +141,8 @@ Voxels voxelize(const geometry::PointCloudView& cloud, const std::vector<std::st
   for (std::size_t v = 0; v < runs.size(); ++v) {
     const Run& run = runs[v];
     const auto points = static_cast<std::int32_t>(run.end - run.begin);
-    const std::int32_t counting = options.max_points_per_voxel > 0
-                                      ? std::min(points, options.max_points_per_voxel)
-                                      : points;
+    const std::int32_t counting =
+        options.max_points_per_voxel > 0 ? std::min(points, options.max_points_per_voxel) : points;
     const auto point_at = [&](std::int32_t i) { return placed.points[sorted.rows[run.begin + i]]; };
     for (std::int32_t i = 0; i < points; ++i) {
       result.voxel_of_point[point_at(i)] = static_cast<std::int32_t>(v);

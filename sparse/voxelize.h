@@ -28,8 +28,9 @@ struct VoxelizeOptions {
 
   template <class Visitor>
   static void describe(Visitor& visitor) {
-    visitor.field("voxel_size", &VoxelizeOptions::voxel_size,
-                  {.help = "Edges of a voxel along x, y, z", .unit = "m", .low = 1e-4, .high = 100});
+    visitor.field(
+        "voxel_size", &VoxelizeOptions::voxel_size,
+        {.help = "Edges of a voxel along x, y, z", .unit = "m", .low = 1e-4, .high = 100});
     visitor.field("origin", &VoxelizeOptions::origin,
                   {.help = "Corner of voxel (0, 0, 0)", .unit = "m", .low = -1e6, .high = 1e6});
     visitor.field("grid", &VoxelizeOptions::grid,
@@ -44,10 +45,9 @@ struct VoxelizeOptions {
                   {.help = "Points of a voxel that count, first come first served; 0 for all",
                    .unit = "points",
                    .low = 0});
-    visitor.field("max_voxels", &VoxelizeOptions::max_voxels,
-                  {.help = "Voxels at most, first come first served; 0 for all",
-                   .unit = "voxels",
-                   .low = 0});
+    visitor.field(
+        "max_voxels", &VoxelizeOptions::max_voxels,
+        {.help = "Voxels at most, first come first served; 0 for all", .unit = "voxels", .low = 0});
     visitor.field("seed", &VoxelizeOptions::seed, {.help = "Seed of feature: random"});
   }
 };

@@ -107,7 +107,8 @@ void abstract_balls(const AbstractionProblem& problem, float* output, int thread
                    std::copy_n(rows.row(starts[c - begin]), channels, best);
                    for (std::int64_t i = starts[c - begin] + 1; i < starts[c - begin + 1]; ++i) {
                      const float* row = rows.row(i);
-                     for (std::int32_t k = 0; k < channels; ++k) best[k] = std::max(best[k], row[k]);
+                     for (std::int32_t k = 0; k < channels; ++k)
+                       best[k] = std::max(best[k], row[k]);
                    }
                  }
                });

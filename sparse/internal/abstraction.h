@@ -16,14 +16,14 @@ struct AbstractionLayer {
 };
 
 struct AbstractionProblem {
-  const float* points;              ///< (N, 3)
-  const float* centres;             ///< (M, 3)
-  const std::int64_t* index;        ///< (M, samples), -1 throughout for an empty ball
+  const float* points;        ///< (N, 3)
+  const float* centres;       ///< (M, 3)
+  const std::int64_t* index;  ///< (M, samples), -1 throughout for an empty ball
   std::int64_t centre_count;
   std::int32_t samples;
-  const float* projected;           ///< (N, width): first layer of the features, scale folded in
-  const float* position_weight;     ///< (3, width): first layer of the positions, likewise
-  const float* first_shift;         ///< (width)
+  const float* projected;        ///< (N, width): first layer of the features, scale folded in
+  const float* position_weight;  ///< (3, width): first layer of the positions, likewise
+  const float* first_shift;      ///< (width)
   std::int32_t width;
   std::vector<AbstractionLayer> layers;
 };

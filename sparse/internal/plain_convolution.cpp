@@ -53,12 +53,12 @@ at::Tensor plain_input_gradient(const Connection& connection, const at::Tensor& 
 
 at::Tensor plain_weight_gradient(const Connection& connection, const at::Tensor& features,
                                  const at::Tensor& gradient) {
-  at::Tensor result = at::zeros(
-      {connection.map->elements(), features.size(1), gradient.size(1)}, features.options());
+  at::Tensor result = at::zeros({connection.map->elements(), features.size(1), gradient.size(1)},
+                                features.options());
   for (std::int64_t k = 0; k < connection.map->elements(); ++k) {
     const ElementRows rows = element_rows(connection, k, gradient.device());
-    result[k] = at::mm(features.index_select(0, rows.inputs).t(),
-                       gradient.index_select(0, rows.outputs));
+    result[k] =
+        at::mm(features.index_select(0, rows.inputs).t(), gradient.index_select(0, rows.outputs));
   }
   return result;
 }

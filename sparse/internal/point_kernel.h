@@ -16,10 +16,10 @@ struct FarthestState {
   std::int64_t count;
 };
 
-#define ARBOX_SPARSE_POINT_KERNELS(level)                                              \
-  namespace level {                                                                    \
+#define ARBOX_SPARSE_POINT_KERNELS(level)                                                  \
+  namespace level {                                                                        \
   /* Lowers the distances by point `chosen`; gives the earliest point with the largest. */ \
-  std::int64_t farthest_step(const FarthestState& state, std::int64_t chosen);         \
+  std::int64_t farthest_step(const FarthestState& state, std::int64_t chosen);             \
   }
 ARBOX_SPARSE_POINT_KERNELS(scalar)
 ARBOX_SPARSE_POINT_KERNELS(avx2)

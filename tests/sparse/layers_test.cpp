@@ -1,7 +1,9 @@
 #include "arbox/sparse/layers.h"
 
+#include <ATen/TensorIndexing.h>
 #include <ATen/TensorOperators.h>
 #include <ATen/core/grad_mode.h>
+#include <ATen/ops/_unique.h>
 #include <ATen/ops/arange.h>
 #include <ATen/ops/cat.h>
 #include <ATen/ops/grid_sampler_2d.h>
@@ -10,9 +12,7 @@
 #include <ATen/ops/randn.h>
 #include <ATen/ops/tensor.h>
 #include <ATen/ops/where.h>
-#include <ATen/ops/_unique.h>
 #include <ATen/ops/zeros.h>
-#include <ATen/TensorIndexing.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -103,17 +103,24 @@ TEST(InstanceNorm, NormalisesEachSceneByItself) {
 
 TEST(ResidualBlock, HasTheNamesOfPublishedCheckpoints) {
   const ResidualBlock block(64, 128, 2);
-  const std::set<std::string> expected = {
-      "conv1.kernel",          "conv2.kernel",
-      "norm1.bn.weight",       "norm1.bn.bias",
-      "norm1.bn.running_mean", "norm1.bn.running_var",
-      "norm1.bn.num_batches_tracked",
-      "norm2.bn.weight",       "norm2.bn.bias",
-      "norm2.bn.running_mean", "norm2.bn.running_var",
-      "norm2.bn.num_batches_tracked",
-      "downsample.0.kernel",   "downsample.1.bn.weight",
-      "downsample.1.bn.bias",  "downsample.1.bn.running_mean",
-      "downsample.1.bn.running_var", "downsample.1.bn.num_batches_tracked"};
+  const std::set<std::string> expected = {"conv1.kernel",
+                                          "conv2.kernel",
+                                          "norm1.bn.weight",
+                                          "norm1.bn.bias",
+                                          "norm1.bn.running_mean",
+                                          "norm1.bn.running_var",
+                                          "norm1.bn.num_batches_tracked",
+                                          "norm2.bn.weight",
+                                          "norm2.bn.bias",
+                                          "norm2.bn.running_mean",
+                                          "norm2.bn.running_var",
+                                          "norm2.bn.num_batches_tracked",
+                                          "downsample.0.kernel",
+                                          "downsample.1.bn.weight",
+                                          "downsample.1.bn.bias",
+                                          "downsample.1.bn.running_mean",
+                                          "downsample.1.bn.running_var",
+                                          "downsample.1.bn.num_batches_tracked"};
   EXPECT_EQ(names(block), expected);
   EXPECT_EQ(block.named_parameters()["downsample.0.kernel"].sizes(),
             (std::vector<std::int64_t>{1, 64, 128}));
@@ -200,13 +207,15 @@ TEST(PointSets, GroupGathersAndItsGradients) {
   expect_close(grouped[0][1], features[3], 0);
   EXPECT_EQ(grouped[1][1].abs().sum().item<double>(), 0);
   expect_gradients({features}, [&](const auto& in) { return group(in[0], index); });
-  EXPECT_EQ(group(at::zeros({0, 3}), at::zeros({2, 2}, at::kLong) - 1).abs().sum().item<float>(), 0);
+  EXPECT_EQ(group(at::zeros({0, 3}), at::zeros({2, 2}, at::kLong) - 1).abs().sum().item<float>(),
+            0);
 }
 
 TEST(PointSets, BirdsEyeSamplesAreBilinearInsideAndVanishAtTheFarBorder) {
   const at::Tensor map = at::randn({2, 3, 6, 7}, at::kDouble);
-  const at::Tensor places = at::cat(
-      {at::ones({50, 1}), at::rand({50, 1}) * 5.9, at::rand({50, 1}) * 4.9}, 1).to(at::kDouble);
+  const at::Tensor places =
+      at::cat({at::ones({50, 1}), at::rand({50, 1}) * 5.9, at::rand({50, 1}) * 4.9}, 1)
+          .to(at::kDouble);
   const at::Tensor x = places.select(1, 1) / 6 * 2 - 1, y = places.select(1, 2) / 5 * 2 - 1;
   const at::Tensor grid = at::cat({x.unsqueeze(1), y.unsqueeze(1)}, 1).view({1, 1, 50, 2});
   const at::Tensor expected =
@@ -266,15 +275,17 @@ at::Tensor naive_abstraction(SetAbstraction& module, const SetAbstraction::Input
 }
 
 TEST(SetAbstraction, EqualsItsDefinitionFoldedAndNot) {
-  const std::vector<AbstractionScale> scales = {{.radius = 0.5f, .samples = 8, .widths = {16, 20}},
-                                                {.radius = 1.2f, .samples = 16, .widths = {7, 9, 5}},
-                                                {.radius = 0.3f, .samples = 4, .widths = {6}}};
+  const std::vector<AbstractionScale> scales = {
+      {.radius = 0.5f, .samples = 8, .widths = {16, 20}},
+      {.radius = 1.2f, .samples = 16, .widths = {7, 9, 5}},
+      {.radius = 0.3f, .samples = 4, .widths = {6}}};
   SetAbstraction module(5, scales);
   randomize(module);
   module.eval();
   const at::Tensor from = points(400);
   const at::Tensor around = at::cat({points(60), at::ones({3, 3}) * 100});
-  const SetAbstraction::Input input{.points = from, .features = at::randn({400, 5}), .centres = around};
+  const SetAbstraction::Input input{
+      .points = from, .features = at::randn({400, 5}), .centres = around};
   const at::Tensor expected = naive_abstraction(module, input, scales).detach();
   EXPECT_EQ(module.out_channels(), 31);
   expect_close(module.forward(input).detach(), expected);
@@ -286,9 +297,12 @@ TEST(SetAbstraction, GradientsReachFeaturesAndParameters) {
   SetAbstraction module(3, {{.radius = 1.0f, .samples = 6, .widths = {5, 4}}});
   module.to(at::kDouble);
   const at::Tensor from = points(60), around = points(15);
-  expect_gradients({at::randn({60, 3}, at::kDouble)}, [&](const auto& in) {
-    return module.forward({.points = from, .features = in[0], .centres = around});
-  }, 1e-4);
+  expect_gradients(
+      {at::randn({60, 3}, at::kDouble)},
+      [&](const auto& in) {
+        return module.forward({.points = from, .features = in[0], .centres = around});
+      },
+      1e-4);
   module.forward({.points = from, .features = at::randn({60, 3}, at::kDouble), .centres = around})
       .sum()
       .backward();

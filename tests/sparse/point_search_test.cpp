@@ -27,8 +27,8 @@ std::vector<std::int32_t> naive_furthest(const std::vector<float>& points, std::
     for (std::size_t i = 0; i < size; ++i) {
       distance[i] = std::min(distance[i], squared(&points[3 * i], &points[3 * result.back()]));
     }
-    result.push_back(static_cast<std::int32_t>(
-        std::max_element(distance.begin(), distance.end()) - distance.begin()));
+    result.push_back(static_cast<std::int32_t>(std::max_element(distance.begin(), distance.end()) -
+                                               distance.begin()));
   }
   return result;
 }

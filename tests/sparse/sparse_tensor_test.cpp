@@ -1,5 +1,6 @@
 #include "arbox/sparse/sparse_tensor.h"
 
+#include <ATen/TensorIndexing.h>
 #include <ATen/TensorOperators.h>
 #include <ATen/core/ivalue.h>
 #include <ATen/ops/arange.h>
@@ -12,7 +13,6 @@
 #include <ATen/ops/randn.h>
 #include <ATen/ops/tensor.h>
 #include <ATen/ops/zeros.h>
-#include <ATen/TensorIndexing.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -35,10 +35,10 @@ constexpr std::int32_t kSide = 9;
 SparseTensor made(std::int64_t channels, at::ScalarType type = at::kFloat, bool grid = true,
                   std::size_t voxels = 120, std::int32_t step = 1) {
   const auto coordinates = random_voxels(3, voxels, 2, grid ? 0 : -4, kSide, step);
-  const Lattice lattice = grid ? Lattice{.grid = Triple{kSide, kSide, kSide}}
-                               : Lattice{.stride = {step, step, step}};
-  return SparseTensor(to_tensor(coordinates),
-                      at::randn({std::int64_t(voxels), channels}, type), lattice, 2);
+  const Lattice lattice =
+      grid ? Lattice{.grid = Triple{kSide, kSide, kSide}} : Lattice{.stride = {step, step, step}};
+  return SparseTensor(to_tensor(coordinates), at::randn({std::int64_t(voxels), channels}, type),
+                      lattice, 2);
 }
 
 void expect_close(const at::Tensor& got, const at::Tensor& expected, double tolerance = 1e-5) {
@@ -50,8 +50,8 @@ void expect_close(const at::Tensor& got, const at::Tensor& expected, double tole
 
 /// Dense weights (out, in, Z, Y, X) of element weights.
 at::Tensor dense_weight(const at::Tensor& weight, const Kernel& kernel) {
-  return weight.view({kernel.size[2], kernel.size[1], kernel.size[0], weight.size(1),
-                      weight.size(2)})
+  return weight
+      .view({kernel.size[2], kernel.size[1], kernel.size[0], weight.size(1), weight.size(2)})
       .permute({4, 3, 0, 1, 2})
       .contiguous();
 }
@@ -76,15 +76,13 @@ TEST_P(AgainstDense, ConvolutionEqualsConv3d) {
   for (int axis = 0; axis < 3 && kernel.submanifold; ++axis) {
     padding[axis] = kernel.size[axis] / 2 * kernel.dilation[axis];
   }
-  const at::Tensor dense =
-      at::conv3d(to_dense(input).to(at::kDouble).contiguous(),
-                 dense_weight(weight, kernel).to(at::kDouble), {}, zyx(kernel.stride), zyx(padding),
-                 zyx(kernel.dilation));
+  const at::Tensor dense = at::conv3d(to_dense(input).to(at::kDouble).contiguous(),
+                                      dense_weight(weight, kernel).to(at::kDouble), {},
+                                      zyx(kernel.stride), zyx(padding), zyx(kernel.dilation));
   const at::Tensor places = output.coordinates().to(at::kLong);
-  const at::Tensor expected =
-      dense.permute({0, 2, 3, 4, 1})
-          .index({places.select(1, 0), places.select(1, 3), places.select(1, 2),
-                  places.select(1, 1)});
+  const at::Tensor expected = dense.permute({0, 2, 3, 4, 1})
+                                  .index({places.select(1, 0), places.select(1, 3),
+                                          places.select(1, 2), places.select(1, 1)});
   expect_close(output.features().to(at::kDouble), expected);
   if (!kernel.submanifold) expect_close(to_dense(output).to(at::kDouble), dense);
 }
@@ -99,7 +97,8 @@ INSTANTIATE_TEST_SUITE_P(
         DenseCase{"down_flat", {.stride = {2, 2, 2}, .padding = {1, 1, 0}}, 64, 64},
         DenseCase{"height", {.size = {1, 1, 3}, .stride = {1, 1, 2}}, 64, 128},
         DenseCase{"even", {.size = {2, 2, 2}, .stride = {2, 2, 2}}, 1, 256},
-        DenseCase{"dilated", {.size = {3, 2, 3}, .dilation = {2, 1, 1}, .padding = {2, 0, 1}}, 256, 1},
+        DenseCase{
+            "dilated", {.size = {3, 2, 3}, .dilation = {2, 1, 1}, .padding = {2, 0, 1}}, 256, 1},
         DenseCase{"wide", {.submanifold = true}, 256, 256, 30},
         DenseCase{"one", {.stride = {2, 2, 2}, .padding = {1, 1, 1}}, 16, 16, 1},
         DenseCase{"none", {.submanifold = true}, 16, 16, 0},
@@ -156,8 +155,8 @@ TEST(Convolution, TransposedIsTheAdjointOfTheForwardOne) {
   const Kernel kernel{.stride = {2, 2, 2}};
   const at::Tensor weight = at::randn({27, 5, 4}, at::kDouble);
   const SparseTensor coarse = convolution(fine, weight, kernel);
-  const SparseTensor back = transposed_convolution(
-      coarse, fine, weight.transpose(1, 2).contiguous(), kernel);
+  const SparseTensor back =
+      transposed_convolution(coarse, fine, weight.transpose(1, 2).contiguous(), kernel);
   EXPECT_NEAR((back.features() * fine.features()).sum().item<double>(),
               coarse.features().square().sum().item<double>(), 1e-8);
 }
@@ -194,9 +193,8 @@ TEST(Convolution, RefusesWhatDoesNotFit) {
   EXPECT_THROW(convolution(input, at::randn({8, 4, 2}), {.submanifold = true}), InvalidArgument);
   EXPECT_THROW(convolution(input, at::randn({27, 4, 2}, at::kDouble), {.submanifold = true}),
                InvalidArgument);
-  EXPECT_THROW(
-      convolution(input, at::randn({27, 4, 2}), {.submanifold = true}, at::randn({3})),
-      InvalidArgument);
+  EXPECT_THROW(convolution(input, at::randn({27, 4, 2}), {.submanifold = true}, at::randn({3})),
+               InvalidArgument);
   EXPECT_THROW(generative_convolution(input, at::randn({27, 4, 2}), {}), InvalidArgument);
 }
 
@@ -209,8 +207,9 @@ TEST(SparseTensor, RefusesWhatIsNoTensor) {
   EXPECT_THROW(SparseTensor(coordinates, at::Tensor()), InvalidArgument);
   EXPECT_THROW(SparseTensor(at::zeros({2, 4}, at::kInt), at::ones({2, 2})), InvalidArgument);
   EXPECT_THROW(SparseTensor(at::ones({1, 4}, at::kInt), at::ones({1, 2}), {}, 1), InvalidArgument);
-  EXPECT_THROW(SparseTensor(at::ones({1, 4}, at::kLong) * (std::int64_t{1} << 40), at::ones({1, 2})),
-               InvalidArgument);
+  EXPECT_THROW(
+      SparseTensor(at::ones({1, 4}, at::kLong) * (std::int64_t{1} << 40), at::ones({1, 2})),
+      InvalidArgument);
 }
 
 TEST(Pooling, EqualsDensePoolingWhereInputsArePositive) {
@@ -222,8 +221,8 @@ TEST(Pooling, EqualsDensePoolingWhereInputsArePositive) {
   const at::Tensor ones = at::ones({27, 1, 1});
   const SparseTensor counts =
       convolution(input.with_features(at::ones({input.size(), 1})), ones, kernel);
-  const SparseTensor sums = convolution(
-      input.with_features(input.features().slice(1, 0, 1).contiguous()), ones, kernel);
+  const SparseTensor sums =
+      convolution(input.with_features(input.features().slice(1, 0, 1).contiguous()), ones, kernel);
   expect_close(average_pool(input, kernel).features().slice(1, 0, 1),
                sums.features() / counts.features());
 }
@@ -260,11 +259,12 @@ TEST(Prune, KeepsRowsInTheirOrder) {
 
 TEST(Prune, HighestInEachSceneWithTiesAndNaN) {
   const at::Tensor coordinates =
-      at::tensor({0, 5, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0}, at::kInt).view({5, 4});
+      at::tensor({0, 5, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0}, at::kInt)
+          .view({5, 4});
   const SparseTensor input(coordinates, at::ones({5, 1}));
   const at::Tensor scores = at::tensor({1.0, 0.5, NAN, 1.0, 2.0});
-  EXPECT_TRUE(highest_in_each_scene(input, scores, 2)
-                  .equal(at::tensor({1, 1, 0, 0, 1}).to(at::kBool)));
+  EXPECT_TRUE(
+      highest_in_each_scene(input, scores, 2).equal(at::tensor({1, 1, 0, 0, 1}).to(at::kBool)));
   EXPECT_EQ(highest_in_each_scene(input, scores, 9).sum().item<int>(), 5);
   EXPECT_EQ(highest_in_each_scene(input, scores, 0).sum().item<int>(), 0);
   EXPECT_THROW(highest_in_each_scene(input, scores, -1), InvalidArgument);
@@ -286,8 +286,8 @@ TEST(Add, EqualsDenseAdditionAndItsGradients) {
 TEST(Interpolate, EqualsTheTrilinearSum) {
   const SparseTensor input = made(3, at::kDouble, false, 300, 4);
   const at::Tensor dense = to_dense(input, {.low = {-40, -40, -40}, .cells = {24, 24, 24}});
-  const at::Tensor places = at::cat(
-      {at::zeros({200, 1}, at::kDouble), at::rand({200, 3}, at::kDouble) * 40 - 20}, 1);
+  const at::Tensor places =
+      at::cat({at::zeros({200, 1}, at::kDouble), at::rand({200, 3}, at::kDouble) * 40 - 20}, 1);
   const at::Tensor got = interpolate(input, places);
   for (std::int64_t i = 0; i < places.size(0); ++i) {
     at::Tensor expected = at::zeros({3}, at::kDouble);
@@ -300,23 +300,20 @@ TEST(Interpolate, EqualsTheTrilinearSum) {
         cell[axis] = static_cast<std::int64_t>(std::floor(t)) + high;
         weight *= high ? t - std::floor(t) : 1 - t + std::floor(t);
       }
-      expected += weight * dense.select(0, 0)
-                               .select(1, cell[2])
-                               .select(1, cell[1])
-                               .select(1, cell[0]);
+      expected +=
+          weight * dense.select(0, 0).select(1, cell[2]).select(1, cell[1]).select(1, cell[0]);
     }
     expect_close(got[i], expected, 1e-9);
   }
-  expect_gradients({input.features()}, [&](const auto& in) {
-    return interpolate(input.with_features(in[0]), places);
-  });
+  expect_gradients({input.features()},
+                   [&](const auto& in) { return interpolate(input.with_features(in[0]), places); });
 }
 
 TEST(Interpolate, IsALookupAtVoxelsAndZeroFarAway) {
   const SparseTensor input = made(2, at::kFloat, false, 100, 2);
   expect_close(interpolate(input, input.coordinates()), input.features(), 0);
-  const at::Tensor far = at::tensor({0.0, 1e30, 0.0, 0.0, 7.0, 0.0, 0.0, 0.0, 0.0, NAN, 0.0, 0.0})
-                             .view({3, 4});
+  const at::Tensor far =
+      at::tensor({0.0, 1e30, 0.0, 0.0, 7.0, 0.0, 0.0, 0.0, 0.0, NAN, 0.0, 0.0}).view({3, 4});
   EXPECT_EQ(interpolate(input, far).abs().sum().item<float>(), 0);
   EXPECT_EQ(interpolate(input, at::zeros({0, 4})).size(0), 0);
 }
@@ -335,8 +332,7 @@ TEST(Dense, RoundTripsAndItsGradients) {
   expect_gradients({input.features()},
                    [&](const auto& in) { return to_dense(input.with_features(in[0])); });
   EXPECT_THROW(to_dense(unbounded), InvalidArgument);
-  EXPECT_EQ(from_dense(at::ones({1, 1, 2, 2, 2}), {}, {0, 0, 0},
-                       at::zeros({1, 2, 2, 2}, at::kBool))
+  EXPECT_EQ(from_dense(at::ones({1, 1, 2, 2, 2}), {}, {0, 0, 0}, at::zeros({1, 2, 2, 2}, at::kBool))
                 .size(),
             0);
 }

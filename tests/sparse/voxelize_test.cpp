@@ -106,8 +106,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Voxelize, RandomFeaturesDependOnTheSeedAlone) {
   const auto rows = random_numbers(2, 3 * 2000);
   const PointCloudView cloud = PointCloudView::packed(rows.data(), 2000);
-  const VoxelizeOptions options{
-      .voxel_size = {0.5, 0.5, 0.5}, .feature = "random", .seed = 1};
+  const VoxelizeOptions options{.voxel_size = {0.5, 0.5, 0.5}, .feature = "random", .seed = 1};
   VoxelizeOptions other = options;
   other.seed = 2;
   const int threads = default_threads();

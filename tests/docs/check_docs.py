@@ -3,8 +3,7 @@
 
 check_docs.py ROOT PROGRAM. Pages are README.md, CONTRIBUTING.md and docs/**/*.md. A block
 
-    <!-- runnable -->
-    ```sh
+    ```sh runnable
     arbox ...
     ```
 
@@ -18,7 +17,7 @@ import subprocess
 import sys
 import tempfile
 
-BLOCK = re.compile(r"<!-- runnable -->\n+```sh\n(.*?)```", re.S)
+BLOCK = re.compile(r"^```sh runnable\n(.*?)^```", re.S | re.M)
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)")
 STARTS = ("README.md", "docs/architecture.md")
 

@@ -25,7 +25,7 @@ const PackedNetwork& estimator(double gain) {
   static const auto flat =
       random_network(kFeatures, kHidden, std::vector(kComponents, kBins), 1, 1.0).packed();
   static const auto sure =
-      random_network(kFeatures, kHidden, std::vector(kComponents, kBins), 1, 40.0).packed();
+      random_network(kFeatures, kHidden, std::vector(kComponents, kBins), 1, 25.0).packed();
   return gain > 1.0 ? sure : flat;
 }
 
@@ -107,7 +107,7 @@ ARBOX_TIMED(sampling, random_weights, 1.0)
     ->Args({15, 64, 1})
     ->Args({1, 64, 2})
     ->Args({100, 64, 2});
-ARBOX_TIMED(sampling, few_prefixes, 40.0)->Args({15, 64, 2})->Args({100, 64, 2});
+ARBOX_TIMED(sampling, few_prefixes, 25.0)->Args({15, 64, 2})->Args({100, 64, 2});
 ARBOX_TIMED_PLAIN(beam)
     ->Args({15, 50, 2})
     ->Args({15, 50, 1})

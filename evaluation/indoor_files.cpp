@@ -119,8 +119,7 @@ Scenes read_scenes(const fs::path& path, Role role, const std::vector<std::strin
   }
   if (!fs::exists(path)) throw IoError(path.string() + ": no such file or folder");
   if (form_of(path, role) != Form::kJson) {
-    throw IoError(path.string() +
-                  ": expected *.json, *.jsonl or a folder, got a file of another name");
+    throw IoError(path.string() + ": expected *.json, *.jsonl or a folder");
   }
   read_json(scenes, path);
   return scenes;

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
 #include <utility>
 
 #include "arbox/base/error.h"
@@ -31,10 +33,10 @@ internal::FeatureRows feature_rows(const Tensor& inputs) {
   return {inputs.data_ptr<float>(), inputs.size(0), static_cast<std::int32_t>(inputs.size(1))};
 }
 
-/// Log of the volume of a cell of the components from `first` on.
-double log_cell(std::span<const Component> components, std::int32_t first) {
+/// Log of the volume of a cell of the components.
+double log_cell(std::span<const Component> components) {
   double sum = 0.0;
-  for (const Component& one : components.subspan(first)) sum += std::log(one.step());
+  for (const Component& one : components) sum += std::log(one.step());
   return sum;
 }
 
@@ -50,7 +52,7 @@ Draws draws_of(const internal::Vectors& vectors, const AutoregressiveModel& mode
   draws.components =
       tensor_of(vectors.values, {vectors.objects, vectors.count, vectors.components});
   draws.log_density = tensor_of(vectors.log_probability, {vectors.objects, vectors.count}) -
-                      log_cell(model.codec().components(), known);
+                      log_cell(model.codec().components().subspan(known));
   draws.boxes = model.codec().decode(draws.components, references);
   return draws;
 }
@@ -100,14 +102,19 @@ Tensor AutoregressiveDistribution::mean() const {
   return model_->codec().decode(mean.unsqueeze(1), references_).select(1, 0);
 }
 
-Tensor AutoregressiveDistribution::log_probability(const Tensor& values) const {
-  const auto rows = values.to(at::kFloat).contiguous();
+Tensor AutoregressiveDistribution::score(const Tensor& values, std::int32_t first,
+                                         std::int32_t last) const {
+  const Tensor rows = values.to(at::kFloat).contiguous();
   return tensor_of(
       internal::log_probability(model_->network(), feature_rows(inputs_),
                                 {rows.data_ptr<float>(), static_cast<std::size_t>(rows.numel())},
-                                static_cast<std::int32_t>(rows.size(1)), known_count(),
+                                static_cast<std::int32_t>(rows.size(1)), {first, last},
                                 {.threads = model_->threads()}),
       {rows.size(0), rows.size(1)});
+}
+
+Tensor AutoregressiveDistribution::log_probability(const Tensor& values) const {
+  return score(values, known_count(), model_->network().size());
 }
 
 Tensor AutoregressiveDistribution::log_density(const Tensor& boxes) const {
@@ -125,7 +132,7 @@ Tensor AutoregressiveDistribution::log_density(const Tensor& boxes) const {
   }
   mask = mask.logical_and(outside.any(-1).logical_not());
   return internal::masked_log_sum(log_probability(values), mask) -
-         log_cell(components, known_count());
+         log_cell(components.subspan(known_count()));
 }
 
 std::unique_ptr<BoxDistribution> AutoregressiveDistribution::select(const Tensor& index) const {
@@ -134,16 +141,32 @@ std::unique_ptr<BoxDistribution> AutoregressiveDistribution::select(const Tensor
       known_.defined() ? known_.index_select(0, index) : known_);
 }
 
-std::unique_ptr<BoxDistribution> AutoregressiveDistribution::given_sizes(
-    const Tensor& sizes) const {
+Tensor AutoregressiveDistribution::values_of_sizes(const Tensor& sizes, const char* where) const {
   if (model_->codec().size_components() != std::vector{0, 1, 2}) {
-    throw NotAvailable(
-        "given_sizes: this model's codec does not predict the size first (order "
-        "size_center_rotation), so that the rest cannot be conditioned on it");
+    throw NotAvailable(std::string(where) +
+                       ": this model's codec does not predict the size first (order "
+                       "size_center_rotation), so that the rest cannot be conditioned on it");
   }
   require_sizes(sizes, size());
-  return std::make_unique<AutoregressiveDistribution>(
-      model_, inputs_, references_, internal::size_values(sizes, model_->codec(), references_));
+  return internal::size_values(sizes, model_->codec(), references_);
+}
+
+std::unique_ptr<BoxDistribution> AutoregressiveDistribution::given_sizes(
+    const Tensor& sizes) const {
+  return std::make_unique<AutoregressiveDistribution>(model_, inputs_, references_,
+                                                      values_of_sizes(sizes, "given_sizes"));
+}
+
+Tensor AutoregressiveDistribution::log_size_density(const Tensor& sizes) const {
+  const Tensor values = values_of_sizes(sizes, "log_size_density");
+  const auto components = model_->codec().components().first(3);
+  const Tensor on_bins =
+      dequantize(quantize(values, components, model_->circular_ends()), components);
+  const Tensor rest = at::zeros({size(), model_->network().size() - 3}, at::kFloat);
+  const Tensor density =
+      score(at::cat({on_bins, rest}, 1).unsqueeze(1), 0, 3).select(1, 0) - log_cell(components);
+  return density.masked_fill(overflows(values, components).any(-1),
+                             -std::numeric_limits<double>::infinity());
 }
 
 }  // namespace arbox::heads

@@ -28,6 +28,7 @@ class AutoregressiveDistribution : public BoxDistribution {
   at::Tensor log_density(const at::Tensor& boxes) const override;
   std::unique_ptr<BoxDistribution> select(const at::Tensor& index) const override;
   std::unique_ptr<BoxDistribution> given_sizes(const at::Tensor& sizes) const override;
+  at::Tensor log_size_density(const at::Tensor& sizes) const override;
 
   /// (N, M, D) values of vectors that lie on bins -> (N, M): log probability of the bins of the
   /// components that are not known.
@@ -35,6 +36,8 @@ class AutoregressiveDistribution : public BoxDistribution {
 
  private:
   std::int32_t known_count() const;
+  at::Tensor score(const at::Tensor& values, std::int32_t first, std::int32_t last) const;
+  at::Tensor values_of_sizes(const at::Tensor& sizes, const char* where) const;
 
   std::shared_ptr<const AutoregressiveModel> model_;
   at::Tensor inputs_;

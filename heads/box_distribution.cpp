@@ -12,6 +12,10 @@ namespace arbox::heads {
 BoxCodec::~BoxCodec() = default;
 BoxDistribution::~BoxDistribution() = default;
 
+at::Tensor BoxDistribution::log_size_density(const at::Tensor&) const {
+  throw NotAvailable("log_size_density: this head has no density of sizes alone");
+}
+
 at::Tensor entropy(const BoxDistribution& distribution, int draws, const Streams& streams) {
   if (distribution.measure() == Measure::kNone) {
     throw NotAvailable("entropy: this head has no likelihood");

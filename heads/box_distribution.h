@@ -54,6 +54,11 @@ class BoxDistribution {
   /// p(rest | size, h) with the size (N, 3) metres fixed, one permutation as given. Throws
   /// NotAvailable if the codec's order does not put the size first.
   virtual std::unique_ptr<BoxDistribution> given_sizes(const at::Tensor& sizes) const = 0;
+
+  /// sizes (N, 3) metres -> (N): log density of the size components, -infinity outside of their
+  /// ranges; with given_sizes() it makes the joint density. Throws NotAvailable where given_sizes()
+  /// does, and from heads that do not have it.
+  virtual at::Tensor log_size_density(const at::Tensor& sizes) const;
 };
 
 /// (N): entropy of each object's vectors, nats, estimated from `draws` draws as the mean of

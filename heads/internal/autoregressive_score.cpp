@@ -33,14 +33,14 @@ std::int32_t bin_of(float value, const PackedComponent& component) {
 
 std::vector<float> log_probability(const PackedNetwork& network, const FeatureRows& features,
                                    std::span<const float> values, std::int32_t count,
-                                   std::int32_t known, const SearchOptions& options) {
+                                   const ComponentRange& range, const SearchOptions& options) {
   const std::int32_t width = network.size();
   std::vector<float> result(features.objects * count, 0.0f);
   ConditionalNetwork conditionals(network, options.threads);
   for_chunks(features, count, options, [&](std::int64_t first, const FeatureRows& chunk) {
     conditionals.set_features(chunk);
     const auto vectors = values.subspan(first * count * width, chunk.objects * count * width);
-    for (std::int32_t i = known; i < width; ++i) {
+    for (std::int32_t i = range.first; i < range.last; ++i) {
       const Rows rows = prefix_rows(vectors, chunk.objects, count, width, i);
       conditionals.evaluate(i, {rows.objects, rows.prefixes}, [&](const LogitBlock& block) {
         SoftmaxRow softmax;

@@ -46,11 +46,16 @@ Vectors sample(const PackedNetwork& network, const FeatureRows& features,
 Vectors beam_search(const PackedNetwork& network, const FeatureRows& features, std::int32_t width,
                     const KnownPrefix& known, const SearchOptions& options);
 
-/// (objects, count): log probability of given vectors, whose values (objects, count, D) lie on
-/// bins from component `known` on.
+/// The components [first, last).
+struct ComponentRange {
+  std::int32_t first = 0, last = 0;
+};
+
+/// (objects, count): log probability of the components in `range` of given vectors (objects, count,
+/// D); their values lie on bins.
 std::vector<float> log_probability(const PackedNetwork& network, const FeatureRows& features,
                                    std::span<const float> values, std::int32_t count,
-                                   std::int32_t known, const SearchOptions& options);
+                                   const ComponentRange& range, const SearchOptions& options);
 
 /// Calls body(first object, features of a chunk of objects), each with at most
 /// options.rows_at_once rows (at least one object).

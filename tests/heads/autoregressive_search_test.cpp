@@ -175,7 +175,7 @@ TEST(Sampling, LogProbabilitiesAreTheNetworksAtAnyTemperature) {
     const Vectors draws =
         sample(network.packed(), rows_of(features), ids_of(2), 1, 50, temperature, {}, {});
     const auto scored =
-        log_probability(network.packed(), rows_of(features), draws.values, 50, 0, {});
+        log_probability(network.packed(), rows_of(features), draws.values, 50, {0, 3}, {});
     for (std::int64_t object = 0; object < 2; ++object) {
       const auto all = enumerate(network, features.data() + object * kFeatures);
       for (std::int32_t k = 0; k < 50; ++k) {
@@ -276,7 +276,7 @@ TEST(Search, NetworksWithoutHiddenLayersAndEmptyBatchesAreFine) {
   const FeatureRows nothing{nullptr, 0, kFeatures};
   EXPECT_TRUE(sample(network.packed(), nothing, {}, 1, 5, 1.0, {}, {}).values.empty());
   EXPECT_TRUE(beam_search(network.packed(), nothing, 5, {}, {}).values.empty());
-  EXPECT_TRUE(log_probability(network.packed(), nothing, {}, 5, 0, {}).empty());
+  EXPECT_TRUE(log_probability(network.packed(), nothing, {}, 5, {0, 2}, {}).empty());
   EXPECT_TRUE(
       sample(network.packed(), rows_of(features), ids_of(1), 1, 0, 1.0, {}, {}).values.empty());
 }

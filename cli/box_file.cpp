@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "arbox/cli/command_line.h"
+#include "arbox/cli/standard_input.h"
 #include "arbox/io/box_table.h"
 #include "arbox/io/detection_json.h"
 #include "arbox/io/kitti.h"
@@ -15,7 +16,9 @@ namespace {
 using geometry::Detection;
 
 std::vector<Detection> from_json(const std::filesystem::path& path, const std::string& scan) {
-  std::vector<io::ScanDetections> scans = io::read_detections_json(path);
+  std::vector<io::ScanDetections> scans =
+      path == "-" ? io::parse_detections_json(read_standard_input(), kStandardInput)
+                  : io::read_detections_json(path);
   if (scans.empty()) return {};
   if (scans.size() == 1) return std::move(scans.front().detections);
   const auto fits = [&](const io::ScanDetections& one) {
@@ -61,7 +64,7 @@ std::vector<Detection> read_boxes(const std::filesystem::path& path, KittiText k
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension == ".json" || extension == ".jsonl") return from_json(path, scan);
+  if (path == "-" || extension == ".json" || extension == ".jsonl") return from_json(path, scan);
   if (extension == ".csv") return from_table(path);
   if (extension != ".txt") {
     throw UsageError(path.string() +

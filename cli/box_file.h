@@ -17,7 +17,8 @@ namespace arbox::cli {
 enum class KittiText { kLabels, kResults };
 
 /// Reads boxes in the LiDAR frame; the extension chooses: .json and .jsonl detections (of several
-/// scans the one whose source has the stem `scan`), .csv box tables, .txt KITTI labels or results,
+/// scans the one whose source has the stem `scan`; also what comes on standard input, for the path
+/// "-"), .csv box tables, .txt KITTI labels or results,
 /// whose objects without a box in space (DontCare) are left out.
 ///
 /// Throws UsageError for another extension and for .txt without a calibration, FormatError for bad

@@ -12,8 +12,8 @@
 #include "arbox/cli/detection_output.h"
 #include "arbox/cli/program_registry.h"
 #include "arbox/cli/progress.h"
+#include "arbox/cli/standard_input.h"
 #include "arbox/detectors/detector_kind.h"
-#include "arbox/io/file.h"
 #include "arbox/io/point_cloud_file.h"
 
 namespace arbox::cli {
@@ -36,14 +36,10 @@ class Failures {
     spdlog::error("{}", fold_lines(error.what()));
     ++count_;
   }
-  void finish(std::size_t scans) const {
-    if (count_ == 0) return;
-    throw Error(std::to_string(count_) + " of " + std::to_string(scans) + " inputs failed");
-  }
-  int count() const { return count_; }
+  std::size_t count() const { return count_; }
 
  private:
-  int count_ = 0;
+  std::size_t count_ = 0;
 };
 
 std::unique_ptr<detectors::Detector> make_detector(const DetectFlags& flags) {
@@ -64,7 +60,11 @@ std::unique_ptr<detectors::Detector> make_detector(const DetectFlags& flags) {
   if (!flags.config.empty()) {
     assign_yaml(options.fields, read_options_file(flags.config), flags.config);
   }
-  assign_overrides(options.fields, flags.overrides);
+  try {
+    assign_overrides(options.fields, flags.overrides);
+  } catch (const ConfigError& error) {
+    throw UsageError(std::string("--set: ") + error.what());
+  }
   return registry.create<Kind>(flags.detector, options);
 }
 
@@ -81,21 +81,18 @@ std::vector<std::string> list_scans(const std::vector<std::string>& inputs, Fail
       if (files.empty()) throw IoError(input + ": holds no point clouds");
       for (const auto& file : files) scans.push_back(file.string());
     } catch (const IoError& error) {
+      if (inputs.size() == 1) throw;
       failures.add(error);
     }
   }
   return scans;
 }
 
-io::PointCloudFile read_scan(const std::string& source, const io::ReadOptions& options) {
-  if (source != "-") return io::read_point_cloud(source, options);
-  return io::parse_point_cloud(io::read_file("/dev/stdin"), "standard input", options);
-}
-
 void detect(const DetectFlags& flags) {
   const auto detector = make_detector(flags);
   Failures failures;
   const std::vector<std::string> scans = list_scans(flags.inputs, failures);
+  const std::size_t inputs = scans.size() + failures.count();
   const bool several = flags.inputs.size() > 1 || std::filesystem::is_directory(flags.inputs[0]);
   DetectionOutput output(flags.output, scans, several);
   {
@@ -103,7 +100,7 @@ void detect(const DetectFlags& flags) {
     for (const std::string& scan : scans) {
       try {
         const auto start = std::chrono::steady_clock::now();
-        const io::PointCloudFile file = read_scan(scan, flags.read);
+        const io::PointCloudFile file = read_point_cloud_input(scan, flags.read);
         const geometry::PointCloudView cloud = file.points.view();
         const auto read = std::chrono::steady_clock::now();
         detectors::DetectionResult result = detector->detect(cloud, flags.request);
@@ -126,7 +123,10 @@ void detect(const DetectFlags& flags) {
     }
   }
   output.finish();
-  failures.finish(scans.size());
+  if (failures.count() > 0) {
+    throw Error(std::to_string(failures.count()) + " of " + std::to_string(inputs) +
+                " inputs failed");
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "arbox/cli/command_line.h"
+#include "arbox/cli/picture_output.h"
 #include "arbox/drawing/color.h"
 #include "arbox/drawing/image.h"
 #include "arbox/drawing/scene.h"
@@ -54,7 +55,7 @@ DetectionOutput::DetectionOutput(OutputOptions options, const std::vector<std::s
     throw UsageError("--view names a folder when there are several scans, got " +
                      options_.view.string());
   }
-  if (!several_ && !options_.view.empty()) drawing::require_image_extension(options_.view);
+  if (!several_ && !options_.view.empty()) require_picture("--view", options_.view);
   const bool file_a_scan = !options_.folder.empty() && options_.format != "jsonl";
   if (file_a_scan || (several_ && !options_.view.empty())) require_different_names(scans);
   const auto make = [](const std::filesystem::path& folder) {

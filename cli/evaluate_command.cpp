@@ -9,6 +9,7 @@
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/commands.h"
 #include "arbox/cli/evaluation_figure.h"
+#include "arbox/cli/picture_output.h"
 #include "arbox/drawing/image.h"
 #include "arbox/evaluation/indoor_files.h"
 #include "arbox/evaluation/kitti_files.h"
@@ -112,7 +113,7 @@ void evaluate_kitti(const EvaluateFlags& flags) {
       .classes = kitti_classes(flags),
       .overlap = overlap_of(flags.overlap),
       .birds_eye_overlap = overlap_of(flags.birds_eye_overlap)};
-  if (!flags.plot.empty()) drawing::require_image_extension(flags.plot);
+  if (!flags.plot.empty()) require_picture("--plot", flags.plot);
   const auto split =
       flags.split.empty() ? std::nullopt : std::optional<std::filesystem::path>(flags.split);
   const auto read = evaluation::read_kitti_frames(flags.labels, flags.predictions, split);
@@ -121,7 +122,7 @@ void evaluate_kitti(const EvaluateFlags& flags) {
 }
 
 void evaluate_indoor(const EvaluateFlags& flags) {
-  if (!flags.plot.empty()) drawing::require_image_extension(flags.plot);
+  if (!flags.plot.empty()) require_picture("--plot", flags.plot);
   const auto scenes =
       evaluation::read_indoor_scenes(flags.labels, flags.predictions, flags.class_names);
   const auto report = evaluation::evaluate_indoor(scenes, {.thresholds = flags.thresholds,

@@ -10,7 +10,7 @@
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/commands.h"
 #include "arbox/cli/option_flags.h"
-#include "arbox/cli/point_cloud_input.h"
+#include "arbox/cli/standard_input.h"
 
 namespace arbox::cli {
 namespace {

@@ -16,6 +16,12 @@ void add_commands(CLI::App& app) {
   add_plugins(app);
   add_simulate(app);
   add_view(app);
+  add_examples(app, {{"arbox detect scan.pcd --view boxes.png", "Boxes as JSON, and a picture"},
+                     {"arbox evaluate kitti --labels label_2 --predictions results",
+                      "The numbers of the KITTI benchmark"},
+                     {"arbox quantile-box --samples ensemble.csv --quantile 0.1",
+                      "What the boxes of an ensemble agree on"},
+                     {"arbox detect --help", "All about one command, with examples"}});
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/commands.h"
 #include "arbox/cli/option_flags.h"
+#include "arbox/cli/standard_input.h"
 #include "arbox/geometry/nms.h"
 #include "arbox/io/box_table.h"
 
@@ -44,7 +45,7 @@ io::BoxTable rows_of(const io::BoxTable& table, const geometry::NmsResult& resul
 
 void print_kept(const NmsFlags& flags) {
   const io::BoxTable table =
-      io::read_box_table(flags.input, {.score = true, .class_name = flags.options.class_aware});
+      read_box_table_input(flags.input, {.score = true, .class_name = flags.options.class_aware});
   if (!table.boxes.empty() && table.scores.empty()) {
     throw FormatError(flags.input +
                       ": expected a column score, found none; name it in a header "
@@ -73,7 +74,8 @@ void add_nms(CLI::App& app) {
   command
       ->add_option("input", flags->input,
                    "Boxes with a column score and, if need be, class: x y z l w h yaw score class, "
-                   "the four numbers of a quaternion in place of yaw, or any order under a header")
+                   "the four numbers of a quaternion in place of yaw, or any order under a header; "
+                   "- for standard input")
       ->type_name("CSV")
       ->required();
   add_option_flags(*command, bind_options(flags->options), {"threads"});

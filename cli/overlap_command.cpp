@@ -8,8 +8,8 @@
 
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/commands.h"
+#include "arbox/cli/standard_input.h"
 #include "arbox/geometry/overlap.h"
-#include "arbox/io/box_table.h"
 
 namespace arbox::cli {
 namespace {
@@ -48,8 +48,11 @@ void print_row(const double* values, std::int64_t count) {
 void print_overlaps(const OverlapFlags& flags) {
   const geometry::OverlapOptions options{.measure = kMeasures.at(flags.measure),
                                          .space = kSpaces.at(flags.space)};
-  const std::vector<Box> first = io::read_box_table(flags.first).boxes;
-  const std::vector<Box> second = io::read_box_table(flags.second).boxes;
+  if (flags.first == "-" && flags.second == "-") {
+    throw UsageError("only one of --first and --second can come from standard input");
+  }
+  const std::vector<Box> first = read_box_table_input(flags.first).boxes;
+  const std::vector<Box> second = read_box_table_input(flags.second).boxes;
   // Refuses bad rows of `first` by their number in the file, before anything is printed.
   geometry::overlap_matrix(first, {}, options);
   geometry::overlap_matrix({}, second, options);
@@ -81,8 +84,9 @@ void add_overlap(CLI::App& app) {
       "a box of the first, one number a box of the second");
   const auto flags = std::make_shared<OverlapFlags>();
   command
-      ->add_option("--first", flags->first,
-                   "Boxes, one a row: x y z l w h yaw or x y z l w h qw qx qy qz")
+      ->add_option(
+          "--first", flags->first,
+          "Boxes, one a row: x y z l w h yaw or x y z l w h qw qx qy qz; - for standard input")
       ->type_name("CSV")
       ->required();
   command->add_option("--second", flags->second, "Boxes likewise; the ground truth of iog")

@@ -10,8 +10,8 @@
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/commands.h"
 #include "arbox/cli/option_flags.h"
+#include "arbox/cli/standard_input.h"
 #include "arbox/geometry/quantile_box.h"
-#include "arbox/io/box_table.h"
 #include "arbox/io/detection_json.h"
 #include "arbox/io/file.h"
 
@@ -23,7 +23,7 @@ using geometry::QuantileBox;
 using Json = nlohmann::ordered_json;
 
 struct QuantileFlags {
-  std::string samples, json;
+  std::string samples, json, csv;
   std::vector<double> quantiles;
   std::vector<double> uncertainty = {0.2, 0.8};
   geometry::QuantileOptions options;
@@ -45,7 +45,7 @@ std::map<std::int64_t, std::vector<Box>> grouped(const io::BoxTable& table) {
 }
 
 std::vector<ObjectResult> compute(const QuantileFlags& flags) {
-  const auto objects = grouped(io::read_box_table(flags.samples, {.object = true}));
+  const auto objects = grouped(read_box_table_input(flags.samples, {.object = true}));
   std::vector<geometry::BoxSamples> samples;
   for (const auto& [object, boxes] : objects) {
     samples.push_back({.boxes = boxes, .object = static_cast<std::uint64_t>(object)});
@@ -88,10 +88,11 @@ std::string to_rows(const std::vector<ObjectResult>& results) {
     for (const QuantileBox& quantile : result.boxes) {
       const Box& box = quantile.box;
       const auto& r = box.rotation;
-      text += std::to_string(result.object);
-      for (const double value : {quantile.q, quantile.fallback ? 1.0 : 0.0, result.uncertainty,
-                                 box.center.x(), box.center.y(), box.center.z(), box.size.x(),
-                                 box.size.y(), box.size.z(), r.w(), r.x(), r.y(), r.z()}) {
+      text += std::to_string(result.object) + ',' + Json(quantile.q).dump() +
+              (quantile.fallback ? ",1" : ",0");
+      for (const double value :
+           {result.uncertainty, box.center.x(), box.center.y(), box.center.z(), box.size.x(),
+            box.size.y(), box.size.z(), r.w(), r.x(), r.y(), r.z()}) {
         text += ',' + Json(value).dump();
       }
       text += '\n';
@@ -100,15 +101,19 @@ std::string to_rows(const std::vector<ObjectResult>& results) {
   return text;
 }
 
-void print_quantile_boxes(const QuantileFlags& flags) {
-  const auto results = compute(flags);
-  if (flags.json.empty()) {
-    std::cout << to_rows(results);
-  } else if (flags.json == "-") {
-    std::cout << to_json(results);
+void give(const std::string& text, const std::string& file) {
+  if (file == "-") {
+    std::cout << text;
   } else {
-    io::write_file(flags.json, to_json(results));
+    io::write_file(file, text);
   }
+}
+
+void give_quantile_boxes(const QuantileFlags& flags) {
+  const auto results = compute(flags);
+  if (!flags.csv.empty()) give(to_rows(results), flags.csv);
+  if (!flags.json.empty()) give(to_json(results), flags.json);
+  if (flags.csv.empty() && flags.json.empty()) give(to_json(results), "-");
 }
 
 }  // namespace
@@ -122,7 +127,7 @@ void add_quantile_box(CLI::App& app) {
   command
       ->add_option("--samples", flags->samples,
                    "Box samples, one a row: x y z l w h yaw or x y z l w h qw qx qy qz, with an "
-                   "optional first column object that groups them")
+                   "optional first column object that groups them; - for standard input")
       ->type_name("CSV")
       ->required();
   command->add_option("--quantile", flags->quantiles, "Quantiles: 0.1 gives the box for p = 0.9")
@@ -136,16 +141,20 @@ void add_quantile_box(CLI::App& app) {
       ->expected(2)
       ->type_name("A B");
   command
-      ->add_option("--json", flags->json,
-                   "Write JSON to this file, - for standard output (default: rows of CSV)")
+      ->add_option("--json", flags->json, "Write the JSON to this file (default: standard output)")
+      ->type_name("FILE");
+  command
+      ->add_option("--csv", flags->csv,
+                   "Write rows of CSV to this file, - for standard output; JSON only if asked for")
       ->type_name("FILE");
   add_option_flags(*command, bind_options(flags->options), {"threads"});
-  add_examples(*command,
-               {{"arbox quantile-box --samples ensemble.csv --quantile 0.1 0.5",
-                 "Boxes of 90 % and 50 % confidence of each object, as CSV"},
-                {"arbox quantile-box --samples draws.csv --quantile 0.2 --json boxes.json",
-                 "The same for one quantile, as JSON"}});
-  command->callback([flags] { print_quantile_boxes(*flags); });
+  add_examples(
+      *command,
+      {{"arbox quantile-box --samples ensemble.csv --quantile 0.1 0.5",
+        "Two boxes of each object, as JSON: one nearly sure to hold it, and what half agree on"},
+       {"arbox quantile-box --samples draws.csv --quantile 0.2 --json boxes.json", "Into a file"},
+       {"arbox quantile-box --samples draws.csv --quantile 0.2 --csv -", "As rows of CSV"}});
+  command->callback([flags] { give_quantile_boxes(*flags); });
 }
 
 }  // namespace arbox::cli

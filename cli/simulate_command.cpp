@@ -62,6 +62,8 @@ void add_street(CLI::App& simulate) {
 
 void add_simulate(CLI::App& app) {
   CLI::App* command = app.add_subcommand("simulate", "Simulated scans with exact labels");
+  add_examples(*command, {{"arbox simulate street --scenes 10 --output streets",
+                           "Ten scans with labels, as a KITTI folder"}});
   command->require_subcommand(1);
   add_street(*command);
 }

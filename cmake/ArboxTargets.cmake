@@ -102,9 +102,12 @@ function(arbox_simd_sources target)
   endforeach()
 endfunction()
 
-# arbox_test(room name SOURCES ... [LIBS ...]) builds one GoogleTest program, one ctest entry a case.
+# arbox_test(room name SOURCES ... [LIBS ...] [EVERY_SIMD_LEVEL])
+# Builds one GoogleTest program, one ctest entry a case; the target <room>_tests builds all of a room.
+# With EVERY_SIMD_LEVEL the program is run as a whole at each level of kernels, too; ctest skips
+# levels that this CPU lacks, with the library's message.
 function(arbox_test room name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "EVERY_SIMD_LEVEL" "TIMEOUT" "SOURCES;LIBS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
@@ -119,6 +122,18 @@ function(arbox_test room name)
   gtest_discover_tests(${target} TEST_PREFIX "${room}." DISCOVERY_MODE PRE_TEST
     PROPERTIES LABELS ${room} TIMEOUT ${ARG_TIMEOUT}
     ENVIRONMENT "ARBOX_PROGRAM=${CMAKE_BINARY_DIR}/bin/arbox")
+  if(ARG_EVERY_SIMD_LEVEL)
+    foreach(level scalar avx2 avx512)
+      add_test(NAME ${room}.${name}_at_${level} COMMAND ${target})
+      set_tests_properties(${room}.${name}_at_${level} PROPERTIES
+        LABELS ${room} TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "ARBOX_SIMD=${level}"
+        SKIP_REGULAR_EXPRESSION "ARBOX_SIMD: this CPU has no")
+    endforeach()
+  endif()
+  if(NOT TARGET ${room}_tests)
+    add_custom_target(${room}_tests)
+  endif()
+  add_dependencies(${room}_tests ${target})
 endfunction()
 
 # arbox_benchmark(name SOURCES ... [LIBS ...]) builds one Google Benchmark program.

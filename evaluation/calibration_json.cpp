@@ -3,13 +3,13 @@
 
 #include "arbox/base/error.h"
 #include "arbox/evaluation/confidence_calibration.h"
-#include "arbox/io/internal/json.h"
+#include "arbox/io/json.h"
 
 namespace arbox::evaluation {
 namespace {
 
-using io::internal::Json;
-using io::internal::JsonCursor;
+using io::Json;
+using io::JsonCursor;
 
 constexpr char kFormat[] = "arbox confidence calibration";
 constexpr int kVersion = 1;
@@ -82,11 +82,11 @@ std::string to_json(const ConfidenceCalibration& calibration) {
       }
     }
   }
-  return io::internal::dump(json, 1) + "\n";
+  return io::dump_json(json, 1) + "\n";
 }
 
 ConfidenceCalibration parse_confidence_calibration(std::string_view text, std::string_view source) {
-  const auto values = io::internal::parse_values(text, source);
+  const auto values = io::parse_json_values(text, source);
   if (values.size() != 1) {
     throw FormatError(std::string(source) + ": expected one JSON object, got " +
                       std::to_string(values.size()) + " values");

@@ -119,7 +119,8 @@ Scenes read_scenes(const fs::path& path, Role role, const std::vector<std::strin
   }
   if (!fs::exists(path)) throw IoError(path.string() + ": no such file or folder");
   if (form_of(path, role) != Form::kJson) {
-    throw IoError(path.string() + ": expected *.json, *.jsonl or a folder");
+    throw IoError(path.string() +
+                  ": expected *.json, *.jsonl or a folder, got a file of another name");
   }
   read_json(scenes, path);
   return scenes;

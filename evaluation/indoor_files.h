@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "arbox/evaluation/indoor_protocol.h"
@@ -43,5 +44,10 @@ std::vector<IndoorScene> read_indoor_scenes(const std::filesystem::path& truth,
 /// those of an upright box, and a class number without a name.
 std::vector<LabeledBox> read_votenet_boxes(const std::filesystem::path& file, bool with_scores,
                                            const std::vector<std::string>& classes = {});
+
+/// read_votenet_boxes of a text in memory; `source` is its name in messages.
+std::vector<LabeledBox> parse_votenet_boxes(std::string_view text, std::string_view source,
+                                            bool with_scores,
+                                            const std::vector<std::string>& classes = {});
 
 }  // namespace arbox::evaluation

@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "arbox/base/error.h"
-#include "arbox/io/internal/json.h"
+#include "arbox/io/json.h"
 
 namespace arbox::evaluation {
 namespace {
 
-using io::internal::Json;
+using io::Json;
 
 struct Metric {
   const char* name;
@@ -122,7 +122,7 @@ std::string to_json(const KittiReport& report) {
       json["curves"][settings.name][metric.name] = values_of(*curves);
     }
   }
-  return io::internal::dump(json, 1) + "\n";
+  return io::dump_json(json, 1) + "\n";
 }
 
 std::string to_json(const IndoorReport& report) {
@@ -149,7 +149,7 @@ std::string to_json(const IndoorReport& report) {
         by_threshold(report, report.class_means, report.mean, &IndoorScore::recall);
   }
   json["curves"] = std::move(curves);
-  return io::internal::dump(json, 1) + "\n";
+  return io::dump_json(json, 1) + "\n";
 }
 
 std::string to_table(const KittiReport& report) {

@@ -16,11 +16,17 @@ constexpr std::size_t kCornerNumbers = 24;
 
 using Corners = std::array<Eigen::Vector3d, 8>;
 
+/// What came, short enough for a message.
+std::string shown(std::string_view text) {
+  constexpr std::size_t kLongest = 40;
+  return "'" + std::string(text.substr(0, kLongest)) + (text.size() > kLongest ? "...'" : "'");
+}
+
 class LineReader {
  public:
-  LineReader(const std::filesystem::path& file, std::size_t number, std::string_view line,
+  LineReader(std::string_view source, std::size_t number, std::string_view line,
              const std::vector<std::string>& classes)
-      : file_(file), number_(number), line_(line), classes_(classes) {}
+      : source_(source), number_(number), line_(line), classes_(classes) {}
 
   LabeledBox read(bool with_score) const {
     std::istringstream words{std::string(line_)};
@@ -31,20 +37,20 @@ class LineReader {
       if (!(words >> score)) fail("expected a score after the corners");
       result.score = number(score);
     }
-    if (words >> more) fail("expected the end of the line, got '" + more + "'");
+    if (words >> more) fail("expected the end of the line, got " + shown(more));
     return result;
   }
 
  private:
   [[noreturn]] void fail(const std::string& what) const {
-    throw FormatError(file_.string() + ":" + std::to_string(number_) + ": " + what);
+    throw FormatError(std::string(source_) + ":" + std::to_string(number_) + ": " + what);
   }
 
   double number(std::string_view text) const {
     double value = 0.0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-      fail("expected a finite number, got '" + std::string(text) + "'");
+      fail("expected a finite number, got " + shown(text));
     }
     return value;
   }
@@ -53,7 +59,7 @@ class LineReader {
     std::size_t index = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
     if (text.empty() || error != std::errc() || end != text.data() + text.size()) {
-      fail("expected the number of a class, got '" + text + "'");
+      fail("expected the number of a class, got " + shown(text));
     }
     if (classes_.empty()) return text;
     if (index >= classes_.size()) {
@@ -89,6 +95,7 @@ class LineReader {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
     for (const Eigen::Vector3d& one : corner) center += one / 8.0;
     if (!(size.array() > 0.0).all()) fail("the box has a size of zero");
+    if (!size.allFinite() || !center.allFinite()) fail("the box is too large to be measured");
     const geometry::Box result =
         geometry::make_yaw_box(center, size, std::atan2(length.y(), length.x()));
     const double tolerance = 1e-4 * (1.0 + size.maxCoeff());
@@ -102,7 +109,7 @@ class LineReader {
     return result;
   }
 
-  const std::filesystem::path& file_;
+  std::string_view source_;
   std::size_t number_;
   std::string_view line_;
   const std::vector<std::string>& classes_;
@@ -110,16 +117,22 @@ class LineReader {
 
 }  // namespace
 
-std::vector<LabeledBox> read_votenet_boxes(const std::filesystem::path& file, bool with_scores,
-                                           const std::vector<std::string>& classes) {
+std::vector<LabeledBox> parse_votenet_boxes(std::string_view text, std::string_view source,
+                                            bool with_scores,
+                                            const std::vector<std::string>& classes) {
   std::vector<LabeledBox> result;
-  std::istringstream lines(io::read_file(file));
+  std::istringstream lines{std::string(text)};
   std::string line;
   for (std::size_t number = 1; std::getline(lines, line); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    result.push_back(LineReader(file, number, line, classes).read(with_scores));
+    result.push_back(LineReader(source, number, line, classes).read(with_scores));
   }
   return result;
+}
+
+std::vector<LabeledBox> read_votenet_boxes(const std::filesystem::path& file, bool with_scores,
+                                           const std::vector<std::string>& classes) {
+  return parse_votenet_boxes(io::read_file(file), file.string(), with_scores, classes);
 }
 
 }  // namespace arbox::evaluation

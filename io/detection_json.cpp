@@ -4,11 +4,10 @@
 
 #include "arbox/base/error.h"
 #include "arbox/io/file.h"
-#include "arbox/io/internal/json.h"
 #include "arbox/io/internal/rotation.h"
+#include "arbox/io/json.h"
 
 namespace arbox::io {
-namespace internal {
 namespace {
 
 using geometry::Box;
@@ -24,6 +23,16 @@ double finite(double number, const char* field) {
                           " must be finite, got " + std::to_string(number));
   }
   return number;
+}
+
+Json to_json(const Box& box) {
+  geometry::require_valid(box, "format_detections_json");
+  const auto& q = box.rotation;
+  Json result = {{"center", numbers(box.center)},
+                 {"size", numbers(box.size)},
+                 {"rotation", {q.w(), q.x(), q.y(), q.z()}}};
+  if (geometry::is_yaw_only(box)) result["yaw"] = geometry::yaw(box);
+  return result;
 }
 
 Json detection_to_json(const Detection& detection) {
@@ -55,9 +64,26 @@ geometry::Quaternion read_rotation(const JsonCursor& value) {
   const auto e = value.elements();
   if (e.size() != 4) value.refuse("four numbers [w, x, y, z]");
   const geometry::Quaternion rotation(e[0].number(), e[1].number(), e[2].number(), e[3].number());
-  if (const auto accepted = accepted_rotation(rotation)) return *accepted;
+  if (const auto accepted = internal::accepted_rotation(rotation)) return *accepted;
   value.refuse("a unit quaternion (norm 1 within 1e-3, this one's is " +
                std::to_string(rotation.norm()) + ")");
+}
+
+Box read_box(const JsonCursor& value) {
+  value.require_object({"center", "size", "rotation", "yaw"});
+  Box box{.center = read_vector(value.at("center")), .size = read_vector(value.at("size"))};
+  if ((box.size.array() <= 0.0).any()) value.at("size").refuse("three sizes above zero");
+  if (!value.has("rotation")) {
+    return geometry::make_yaw_box(box.center, box.size, value.at("yaw").number());
+  }
+  box.rotation = read_rotation(value.at("rotation"));
+  if (value.has("yaw")) {
+    const double difference = value.at("yaw").number() - geometry::yaw(box);
+    if (std::abs(geometry::wrap_angle(difference)) > kYawTolerance) {
+      value.at("yaw").refuse("the yaw of 'rotation', " + std::to_string(geometry::yaw(box)));
+    }
+  }
+  return box;
 }
 
 Detection read_detection(const JsonCursor& value) {
@@ -93,41 +119,12 @@ Detection read_detection(const JsonCursor& value) {
   return result;
 }
 
-}  // namespace
-
-Json to_json(const Box& box) {
-  geometry::require_valid(box, "format_detections_json");
-  const auto& q = box.rotation;
-  Json result = {{"center", numbers(box.center)},
-                 {"size", numbers(box.size)},
-                 {"rotation", {q.w(), q.x(), q.y(), q.z()}}};
-  if (geometry::is_yaw_only(box)) result["yaw"] = geometry::yaw(box);
-  return result;
-}
-
 Json to_json(const ScanDetections& scan) {
   Json result = {{"source", scan.source}, {"frame", scan.frame}, {"detections", Json::array()}};
   for (const Detection& detection : scan.detections) {
     result["detections"].push_back(detection_to_json(detection));
   }
   return result;
-}
-
-Box read_box(const JsonCursor& value) {
-  value.require_object({"center", "size", "rotation", "yaw"});
-  Box box{.center = read_vector(value.at("center")), .size = read_vector(value.at("size"))};
-  if ((box.size.array() <= 0.0).any()) value.at("size").refuse("three sizes above zero");
-  if (!value.has("rotation")) {
-    return geometry::make_yaw_box(box.center, box.size, value.at("yaw").number());
-  }
-  box.rotation = read_rotation(value.at("rotation"));
-  if (value.has("yaw")) {
-    const double difference = value.at("yaw").number() - geometry::yaw(box);
-    if (std::abs(geometry::wrap_angle(difference)) > kYawTolerance) {
-      value.at("yaw").refuse("the yaw of 'rotation', " + std::to_string(geometry::yaw(box)));
-    }
-  }
-  return box;
 }
 
 ScanDetections read_scan(const JsonCursor& value) {
@@ -141,23 +138,21 @@ ScanDetections read_scan(const JsonCursor& value) {
   return scan;
 }
 
-}  // namespace internal
+}  // namespace
 
-std::string format_box_json(const geometry::Box& box) {
-  return internal::dump(internal::to_json(box), -1);
-}
+std::string format_box_json(const geometry::Box& box) { return dump_json(to_json(box), -1); }
 
 geometry::Box parse_box_json(std::string_view text, std::string_view source) {
-  const auto values = internal::parse_values(text, source);
+  const auto values = parse_json_values(text, source);
   if (values.size() != 1) {
     throw FormatError(std::string(source) + ": expected one box object, got " +
                       std::to_string(values.size()) + " values");
   }
-  return internal::read_box({values[0], std::string(source)});
+  return read_box({values[0], std::string(source)});
 }
 
 std::string format_detections_json(const ScanDetections& scan, int indent) {
-  return internal::dump(internal::to_json(scan), indent);
+  return dump_json(to_json(scan), indent);
 }
 
 std::string format_detections_jsonl(std::span<const ScanDetections> scans) {
@@ -168,9 +163,9 @@ std::string format_detections_jsonl(std::span<const ScanDetections> scans) {
 
 std::vector<ScanDetections> parse_detections_json(std::string_view text, std::string_view source) {
   std::vector<ScanDetections> scans;
-  for (const auto& value : internal::parse_values(text, source)) {
-    scans.push_back(internal::read_scan(
-        {value, std::string(source) + ": [" + std::to_string(scans.size()) + "]"}));
+  for (const auto& value : parse_json_values(text, source)) {
+    scans.push_back(
+        read_scan({value, std::string(source) + ": [" + std::to_string(scans.size()) + "]"}));
   }
   return scans;
 }

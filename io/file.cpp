@@ -17,6 +17,31 @@ namespace {
   throw IoError(path.string() + ": " + what);
 }
 
+std::string reason_not_written(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  if (!std::filesystem::exists(folder, error)) {
+    return "cannot be written: there is no folder " + folder.string();
+  }
+  return std::string("cannot be written: ") + std::strerror(errno);
+}
+
+/// A pipe, a terminal, /dev/stdout: what has no content to keep and cannot be replaced.
+bool is_device(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  return std::filesystem::is_character_file(status) || std::filesystem::is_fifo(status);
+}
+
+/// False with errno if not all could be written.
+bool write_straight(const std::filesystem::path& path, std::string_view content) {
+  errno = 0;
+  std::ofstream stream(path, std::ios::binary | std::ios::trunc);
+  stream.write(content.data(), static_cast<std::streamsize>(content.size()));
+  stream.close();
+  return static_cast<bool>(stream);
+}
+
 }  // namespace
 
 std::string read_file(const std::filesystem::path& path, std::uint64_t limit) {
@@ -44,22 +69,23 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t limit) {
 }
 
 void write_file(const std::filesystem::path& path, std::string_view content) {
-  std::filesystem::path beside = path;
-  beside += ".part" + std::to_string(::getpid());
-  {
-    std::ofstream stream(beside, std::ios::binary | std::ios::trunc);
-    stream.write(content.data(), static_cast<std::streamsize>(content.size()));
-    stream.close();
-    if (!stream) {
-      std::error_code ignored;
-      std::filesystem::remove(beside, ignored);
-      fail(path, "cannot be written");
-    }
+  if (is_device(path)) {
+    if (!write_straight(path, content)) fail(path, reason_not_written(path));
+    return;
   }
-  std::error_code error;
-  std::filesystem::rename(beside, path, error);
+  std::error_code error, ignored;
+  // A link stays; what it leads to is replaced.
+  const bool link = std::filesystem::is_symlink(path, error);
+  const std::filesystem::path target = link ? std::filesystem::weakly_canonical(path, error) : path;
+  std::filesystem::path beside = target;
+  beside += ".part" + std::to_string(::getpid());
+  if (!write_straight(beside, content)) {
+    const std::string reason = reason_not_written(target);
+    std::filesystem::remove(beside, ignored);
+    fail(path, reason);
+  }
+  std::filesystem::rename(beside, target, error);
   if (error) {
-    std::error_code ignored;
     std::filesystem::remove(beside, ignored);
     fail(path, "cannot be written: " + error.message());
   }

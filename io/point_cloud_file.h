@@ -138,7 +138,8 @@ struct WriteOptions {
 /// The bytes of a file of that format. Numbers are float32; in PCD and PLY colours are bytes (rgb,
 /// red green blue) and `ring` and `label` whole numbers if their values are. Text is
 /// comma-separated with a header and the shortest digits that read back the same. .npz holds one
-/// array `points`. Throws InvalidArgument for options that do not fit.
+/// array `points`. Throws InvalidArgument for options that do not fit, and in PCD, PLY and text for
+/// channels of one name or with blanks, commas, semicolons or quotation marks in it.
 std::string encode_point_cloud(const geometry::PointCloudView& points, PointCloudFormat format,
                                const WriteOptions& options = {});
 

@@ -118,6 +118,33 @@ std::vector<const geometry::Channel*> selected(const geometry::PointCloudView& p
   return channels;
 }
 
+bool names_columns(PointCloudFormat format) {
+  return format == PointCloudFormat::kPcd || format == PointCloudFormat::kPly ||
+         format == PointCloudFormat::kText;
+}
+
+/// Names stand bare in headers, so that readers would split or merge others.
+void require_readable_names(const Output& output) {
+  std::vector<std::string> seen{"x", "y", "z"};
+  for (const geometry::Channel* channel : output.channels) {
+    const std::string& name = channel->name;
+    const bool bare = std::none_of(name.begin(), name.end(), [](unsigned char letter) {
+      return letter <= ' ' || letter == 0x7f || letter == ',' || letter == ';' || letter == '"';
+    });
+    if (name.empty() || !bare) {
+      throw InvalidArgument(
+          "channels: expected names without blanks, commas, semicolons and "
+          "quotation marks, got " +
+          internal::quoted_text(name));
+    }
+    if (std::find(seen.begin(), seen.end(), name) != seen.end()) {
+      throw InvalidArgument("channels: expected each name once, got " +
+                            internal::quoted_text(name) + " a second time");
+    }
+    seen.push_back(name);
+  }
+}
+
 std::vector<float> rows_of(const Output& output) {
   const std::size_t width = 3 + output.channels.size();
   std::vector<float> rows;
@@ -169,6 +196,7 @@ std::string encode_point_cloud(const geometry::PointCloudView& points, PointClou
     return encode_bin(points, options);
   }
   const Output output{points, selected(points, options.channels)};
+  if (names_columns(format)) require_readable_names(output);
   switch (format) {
     case PointCloudFormat::kPcd:
       require_encoding({"ascii", "binary", "binary_compressed"});

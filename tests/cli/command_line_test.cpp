@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "support/program.h"
 
@@ -72,6 +75,42 @@ TEST(Program, HelpGoesToStandardOutput) {
     EXPECT_NE(result.output.find("Usage: arbox"), std::string::npos);
     EXPECT_EQ(result.errors, "");
   }
+}
+
+/// The commands below the ones given, as their help lists them.
+std::vector<std::string> commands_below(std::vector<std::string> words) {
+  words.push_back("--help");
+  std::istringstream help(run_arbox(words).output);
+  std::vector<std::string> names;
+  std::string line;
+  bool listed = false;
+  while (std::getline(help, line)) {
+    if (line.ends_with(":")) listed = line == "Subcommands:";
+    if (!listed || !line.starts_with("  ") || line[2] == ' ') continue;
+    names.push_back(line.substr(2, line.find(' ', 2) - 2));
+  }
+  return names;
+}
+
+void expect_examples_below(const std::vector<std::string>& words, int& commands) {
+  std::vector<std::string> asked = words;
+  asked.push_back("--help");
+  const std::string help = run_arbox(asked).output;
+  const std::size_t examples = help.find("\nExamples:\n");
+  ASSERT_NE(examples, std::string::npos) << ::testing::PrintToString(words);
+  EXPECT_NE(help.find("arbox ", examples), std::string::npos) << help;
+  for (const std::string& name : commands_below(words)) {
+    std::vector<std::string> deeper = words;
+    deeper.push_back(name);
+    ++commands;
+    expect_examples_below(deeper, commands);
+  }
+}
+
+TEST(Program, EveryHelpHasExamples) {
+  int commands = 0;
+  expect_examples_below({}, commands);
+  EXPECT_GE(commands, 17);
 }
 
 TEST(Program, FailsWhenStandardOutputIsFull) {

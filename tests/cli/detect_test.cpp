@@ -193,9 +193,14 @@ TEST(Detect, FailsInOneLineForBadInput) {
   expect_one_line_error(run_arbox({"detect", (folder / "missing.bin").string()}), 1,
                         {"missing.bin"});
   expect_one_line_error(run_arbox({"detect", file("cut.bin", "12345")}), 1, {"cut.bin"});
-  expect_one_line_error(run_arbox({"detect", kStreet, "--set", "tolerance=-1"}), 1, {"tolerance"});
-  expect_one_line_error(run_arbox({"detect", kStreet, "--set", "tollerance=1"}), 1,
-                        {"tollerance", "tolerance"});
+  std::filesystem::create_directories(folder / "empty");
+  expect_one_line_error(run_arbox({"detect", (folder / "empty").string()}), 1,
+                        {"empty", "no point clouds"});
+  expect_one_line_error(run_arbox({"detect", kStreet, "--view", "a.gif"}), 2, {"--view", "a.gif"});
+  expect_one_line_error(run_arbox({"detect", kStreet, "--set", "tolerance=-1"}), 2,
+                        {"--set", "tolerance"});
+  expect_one_line_error(run_arbox({"detect", kStreet, "--set", "tollerance=1"}), 2,
+                        {"--set", "tollerance", "tolerance"});
   expect_one_line_error(run_arbox({"detect", kStreet, "--config", file("o.yaml", "a: [")}), 1,
                         {"o.yaml"});
   expect_one_line_error(run_arbox({"detect", kStreet, "--format", "kitti", "--calib",

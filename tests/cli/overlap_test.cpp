@@ -46,6 +46,19 @@ TEST_F(OverlapCommand, PrintsOneRowABoxOfTheFirstFileWithSeventeenDigits) {
   EXPECT_EQ(overlap(cubes, three, {"--measure", "intersection"}).output, "1,0,1\n0.5,0,1\n");
 }
 
+TEST_F(OverlapCommand, ReadsOneFileFromStandardInput) {
+  const auto cubes = file("cubes.csv", kUnitCubes);
+  const std::string expected = overlap(cubes, cubes).output;
+  for (const auto& [first, second] :
+       {std::pair<std::string, std::string>{"-", cubes}, {cubes, "-"}}) {
+    const RunResult result =
+        run_arbox({"overlap", "--first", first, "--second", second, "--measure", "iou"},
+                  {.input = std::string(kUnitCubes)});
+    EXPECT_EQ(result.output, expected) << result.errors;
+  }
+  expect_one_line_error(overlap("-", "-"), 2, {"standard input"});
+}
+
 TEST_F(OverlapCommand, ReadsQuaternionsAndNormalisesThemWithinAThousandth) {
   // A quarter turn about x: y and z sizes change places.
   const auto turned =

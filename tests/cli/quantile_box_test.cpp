@@ -23,8 +23,7 @@ class QuantileBoxCommand : public ::testing::Test {
                 {"quantile-box", "--samples", folder_.write("samples.csv", text).string()});
     return run_arbox(more);
   }
-  json objects(std::string_view text, std::vector<std::string> more) const {
-    more.insert(more.end(), {"--json", "-"});
+  json objects(std::string_view text, const std::vector<std::string>& more) const {
     const RunResult result = run(text, more);
     EXPECT_EQ(result.exit_code, 0) << result.errors;
     return json::parse(result.output).at("objects");
@@ -63,15 +62,21 @@ TEST_F(QuantileBoxCommand, TheFirstColumnGroupsAndASeedRepeats) {
 }
 
 TEST_F(QuantileBoxCommand, WritesRowsOrAFile) {
-  const RunResult rows = run(kStack, {"--quantile", "0.1", "0.9"});
+  const RunResult rows = run(kStack, {"--quantile", "0.1", "0.9", "--csv", "-"});
   EXPECT_EQ(rows.exit_code, 0) << rows.errors;
   EXPECT_EQ(std::count(rows.output.begin(), rows.output.end(), '\n'), 3);
+  EXPECT_TRUE(rows.output.starts_with("object,q,fallback,uncertainty,x,y,z,l,w,h,qw,qx,qy,qz\n"));
   const auto file = folder_ / "boxes.json";
   const RunResult result = run(kStack, {"--quantile", "0.1", "--json", file.string()});
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_EQ(result.output, "");
   EXPECT_EQ(json::parse(slurp(file))["objects"], objects(kStack, {"--quantile", "0.1"}));
   EXPECT_TRUE(objects("", {"--quantile", "0.1"}).empty());
+  EXPECT_EQ(objects(kStack, {"--quantile", "0.1", "--json", "-"}),
+            objects(kStack, {"--quantile", "0.1"}));
+  const RunResult piped = run_arbox({"quantile-box", "--samples", "-", "--quantile", "0.1"},
+                                    {.input = std::string(kStack)});
+  EXPECT_EQ(piped.output, run(kStack, {"--quantile", "0.1"}).output) << piped.errors;
 }
 
 TEST_F(QuantileBoxCommand, BadInputIsOneLine) {

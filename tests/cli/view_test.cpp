@@ -117,6 +117,22 @@ TEST_F(View, PicksTheScanOfJsonLinesByName) {
   refused(1, {"--boxes", path}, {"all.jsonl", "2 scans", "third"});
 }
 
+TEST_F(View, TakesTheCloudOrTheBoxesFromStandardInput) {
+  picture({"--boxes", boxes_});
+  const std::string expected = slurp(output_);
+  const RunResult boxes = run_arbox(
+      {"view", "--cloud", cloud_, "--output", output_, "--boxes", "-"}, {.input = kBoxes});
+  EXPECT_EQ(boxes.exit_code, 0) << boxes.errors;
+  EXPECT_EQ(slurp(output_), expected);
+  const RunResult cloud =
+      run_arbox({"view", "--cloud", "-", "--output", output_, "--boxes", boxes_, "--format", "bin"},
+                {.input = slurp(cloud_)});
+  EXPECT_EQ(cloud.exit_code, 0) << cloud.errors;
+  EXPECT_EQ(slurp(output_), expected);
+  expect_one_line_error(run_arbox({"view", "--cloud", "-", "--boxes", "-", "--output", output_}), 2,
+                        {"standard input"});
+}
+
 TEST_F(View, IsDeterministic) {
   picture({"--boxes", boxes_});
   const std::string first = slurp(output_);

@@ -112,6 +112,22 @@ arbox::geometry::PointCloud make_cloud() {
   return points;
 }
 
+void make_evaluation(const fs::path& root) {
+  const std::string box = "1,-1,2.5,1,-1,1.5,-1,-1,1.5,-1,-1,2.5,1,1,2.5,1,1,1.5,-1,1,1.5,-1,1,2.5";
+  write(root, "votenet_boxes", "truth.txt", "0 " + box + "\n\n17 " + box + "\r\n");
+  write(root, "votenet_boxes", "predictions.txt", "3 " + box + " 0.5\n3 " + box + " 1e-3\n");
+  const std::string family =
+      R"({"format": "arbox confidence calibration", "version": 1, "source": "made", )"
+      R"("min_iog": 0.95, "quantiles": [0.9, 0.5, 0.1, 0], "quantile_box": )"
+      R"({"points_per_box": 64, "placement": "stratified", "corners": true, "refine": false, )"
+      R"("seed": 0}, "classes": )";
+  write(root, "confidence_calibration", "empty.json", family + "{}}\n");
+  write(root, "confidence_calibration", "two_classes.json",
+        family + R"({"Car": {"extents": [[0.5, 3], [1.25, 1]], "uncontained": 2}, )" +
+            R"("b": {"extents": [], "uncontained": 0}}}
+)");
+}
+
 void make_point_clouds(const fs::path& root) {
   using arbox::io::PointCloudFormat;
   const auto points = make_cloud();
@@ -161,6 +177,7 @@ int main(int argc, char** argv) {
     make_tables(argv[1]);
     make_detections(argv[1]);
     make_kitti(argv[1]);
+    make_evaluation(argv[1]);
     make_point_clouds(argv[1]);
   } catch (const arbox::Error& error) {
     std::cerr << "fuzz_make_corpus: " << error.what() << '\n';

@@ -68,6 +68,19 @@ TEST_P(RoundTrip, KeepsEveryPointAndChannelExactly) {
   }
 }
 
+TEST(PointCloudWriter, RefusesNamesThatReadersWouldSplit) {
+  for (const std::string name : {"two words", "a,b", "a;b", "tab\t", "line\n", "\"q\"", "", "x"}) {
+    const auto points = cloud({"intensity", name}, 2);
+    for (const auto format :
+         {PointCloudFormat::kPcd, PointCloudFormat::kPly, PointCloudFormat::kText}) {
+      EXPECT_THROW(encode_point_cloud(points.view(), format), InvalidArgument) << name;
+    }
+    EXPECT_NO_THROW(encode_point_cloud(points.view(), PointCloudFormat::kNpy)) << name;
+  }
+  EXPECT_THROW(encode_point_cloud(cloud({"a", "a"}, 2).view(), PointCloudFormat::kPcd),
+               InvalidArgument);
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Formats, RoundTrip,
     ::testing::Values(Form{PointCloudFormat::kPcd, "ascii"}, Form{PointCloudFormat::kPcd, "binary"},

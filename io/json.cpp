@@ -1,4 +1,4 @@
-#include "arbox/io/internal/json.h"
+#include "arbox/io/json.h"
 
 #include <algorithm>
 #include <iterator>
@@ -7,7 +7,7 @@
 #include "arbox/base/error.h"
 #include "arbox/io/internal/text.h"
 
-namespace arbox::io::internal {
+namespace arbox::io {
 namespace {
 
 std::string without_prefix(const std::string& message) {
@@ -56,8 +56,13 @@ void dump_pretty(const Json& value, int indent, int level, std::string& text) {
 void JsonCursor::refuse(const std::string& expected) const {
   std::string came = value_->type_name();
   if (value_->is_number()) came = value_->dump();
-  if (value_->is_string()) came = quoted_text(value_->get_ref<const std::string&>());
-  if (value_->is_array()) came += " of " + std::to_string(value_->size());
+  if (value_->is_string()) came = internal::quoted_text(value_->get_ref<const std::string&>());
+  if (value_->is_array()) {
+    constexpr std::size_t kShown = 10;
+    came = value_->size() <= kShown && is_plain(*value_)
+               ? dump_flat(*value_)
+               : came + " of " + std::to_string(value_->size());
+  }
   throw FormatError(place_ + ": expected " + expected + ", got " + came);
 }
 
@@ -69,8 +74,8 @@ void JsonCursor::require_object(const std::vector<std::string_view>& known) cons
   require_object();
   for (auto item = value_->begin(); item != value_->end(); ++item) {
     if (std::find(known.begin(), known.end(), item.key()) == known.end()) {
-      throw FormatError(place_ + ": expected keys among " + joined(known, ", ") + ", got " +
-                        quoted_text(item.key()));
+      throw FormatError(place_ + ": expected keys among " + internal::joined(known, ", ") +
+                        ", got " + internal::quoted_text(item.key()));
     }
   }
 }
@@ -107,7 +112,7 @@ std::string JsonCursor::text() const {
   return value_->get<std::string>();
 }
 
-std::vector<Json> parse_values(std::string_view text, std::string_view source) {
+std::vector<Json> parse_json_values(std::string_view text, std::string_view source) {
   std::vector<Json> values;
   std::istringstream stream{std::string(text)};
   std::size_t begin = 0;
@@ -117,10 +122,10 @@ std::vector<Json> parse_values(std::string_view text, std::string_view source) {
       stream >> values.emplace_back();
     }
   } catch (const Json::parse_error& error) {
-    const TextPlace place{source, line_of(text, begin + error.byte)};
-    refuse(place, "JSON", without_prefix(error.what()));
+    const internal::TextPlace place{source, line_of(text, begin + error.byte)};
+    internal::refuse(place, "JSON", without_prefix(error.what()));
   } catch (const Json::exception& error) {
-    refuse({source, line_of(text, begin)}, "JSON", without_prefix(error.what()));
+    internal::refuse({source, line_of(text, begin)}, "JSON", without_prefix(error.what()));
   }
   if (values.size() != 1 || !values[0].is_array()) return values;
   // Moved, since copies of deeply nested values would exhaust the stack.
@@ -128,11 +133,11 @@ std::vector<Json> parse_values(std::string_view text, std::string_view source) {
   return {std::make_move_iterator(array.begin()), std::make_move_iterator(array.end())};
 }
 
-std::string dump(const Json& value, int indent) {
+std::string dump_json(const Json& value, int indent) {
   if (indent < 0) return dump_flat(value);
   std::string text;
   dump_pretty(value, indent, 0, text);
   return text;
 }
 
-}  // namespace arbox::io::internal
+}  // namespace arbox::io

@@ -5,13 +5,11 @@
 #include <string_view>
 #include <vector>
 
-#include "arbox/geometry/box.h"
-#include "arbox/io/detection_json.h"
-
 /// \file
-/// The parts of JSON reading and writing that need the JSON library's types.
+/// What the readers and writers of JSON files share. The only header of this room that needs the
+/// JSON library (nlohmann-json) to be installed where it is included.
 
-namespace arbox::io::internal {
+namespace arbox::io {
 
 /// Keeps the order in which keys are written.
 using Json = nlohmann::ordered_json;
@@ -34,6 +32,7 @@ class JsonCursor {
   /// The elements; refuses what is not an array.
   std::vector<JsonCursor> elements() const;
 
+  /// The value itself; each refuses a value of another type.
   double number() const;
   bool boolean() const;
   std::string text() const;
@@ -43,17 +42,12 @@ class JsonCursor {
   std::string place_;
 };
 
-Json to_json(const geometry::Box& box);
-Json to_json(const ScanDetections& scan);
-
-geometry::Box read_box(const JsonCursor& value);
-ScanDetections read_scan(const JsonCursor& value);
-
-/// The values of a text: one, the elements of an array, or one after another.
-std::vector<Json> parse_values(std::string_view text, std::string_view source);
+/// The values of a text: one, the elements of an array, or one after another. Throws FormatError
+/// with the line of what is not JSON.
+std::vector<Json> parse_json_values(std::string_view text, std::string_view source);
 
 /// The value as text: on one line if `indent` < 0, else with arrays and objects of plain numbers on
 /// one line and all others indented. Bytes that are not UTF-8 become U+FFFD.
-std::string dump(const Json& value, int indent);
+std::string dump_json(const Json& value, int indent);
 
-}  // namespace arbox::io::internal
+}  // namespace arbox::io

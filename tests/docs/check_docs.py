@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""Checks the pages: links lead somewhere, every page can be reached, and commands work.
+
+check_docs.py ROOT PROGRAM. Pages are README.md, CONTRIBUTING.md and docs/**/*.md. A block
+
+    ```sh runnable
+    arbox ...
+    ```
+
+is run by bash with -e in an empty folder that holds a link to the repository's examples, with the
+program first on PATH; the blocks of one page share the folder, in order. Prints what failed.
+"""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+BLOCK = re.compile(r"^```sh runnable\n(.*?)^```", re.S | re.M)
+LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)")
+STARTS = ("README.md", "docs/architecture.md")
+
+
+def pages_of(root):
+    front = [root / "README.md", root / "CONTRIBUTING.md"]
+    return [page for page in front if page.exists()] + sorted((root / "docs").rglob("*.md"))
+
+
+def links_of(page):
+    text = re.sub(r"```.*?```", "", page.read_text(), flags=re.S)
+    targets = [link for link in LINK.findall(text) if "://" not in link]
+    return [(page.parent / target).resolve() for target in targets]
+
+
+def broken_links(pages):
+    return [f"{page}: broken link to {target}"
+            for page in pages for target in links_of(page) if not target.exists()]
+
+
+def unreachable(root, pages):
+    waiting = [root / start for start in STARTS if (root / start).exists()]
+    seen = set()
+    while waiting:
+        page = waiting.pop()
+        if page in seen or page.suffix != ".md":
+            continue
+        seen.add(page)
+        waiting += [target for target in links_of(page) if target.exists()]
+    return [f"{page}: no page that begins at {' or '.join(STARTS)} leads to it"
+            for page in pages if page.is_relative_to(root / "docs") and page not in seen]
+
+
+def failed_blocks(root, page, program):
+    failures = []
+    blocks = BLOCK.findall(page.read_text())
+    environment = dict(os.environ, PATH=f"{program.parent}:{os.environ['PATH']}")
+    with tempfile.TemporaryDirectory() as folder:
+        os.symlink(root / "examples", pathlib.Path(folder) / "examples")
+        for block in blocks:
+            result = subprocess.run(["bash", "-euo", "pipefail", "-c", block], cwd=folder,
+                                    env=environment, capture_output=True, text=True)
+            if result.returncode != 0:
+                failures.append(f"{page}: exit code {result.returncode} of\n{block}{result.stderr}")
+    print(f"{page.relative_to(root)}: {len(blocks)} blocks, {len(failures)} failed")
+    return failures, len(blocks)
+
+
+def main():
+    root, program = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
+    pages = pages_of(root)
+    problems = broken_links(pages) + unreachable(root, pages)
+    count = 0
+    for page in pages:
+        failures, blocks = failed_blocks(root, page, program)
+        problems += failures
+        count += blocks
+    if count == 0:
+        problems.append("no runnable block found")
+    print("\n".join(problems))
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -100,7 +100,7 @@ void add_show(CLI::App& config, const SharedFlags& flags) {
   add_examples(
       *command,
       {{"arbox config show detector/cluster_fit > mine.yaml", "A commented file to start from"},
-       {"arbox config show detector/cluster_fit --set seed=7 --json", "Values after a change"}});
+       {"arbox config show detector/cluster_fit --set min_points=12 --json", "Values after a change"}});
   command->callback([flags] { show(*flags); });
 }
 

@@ -128,7 +128,7 @@ struct ClusterFitOptions {
 ///
 /// Input: any cloud; only coordinates are used. Non-finite points are counted in
 /// DetectionResult::dropped_points; an empty cloud, a single point, or nothing but ground gives no
-/// detections. Cost: linear in the points, 12 bytes a point and less than 100 bytes a point that
+/// detections. Cost: linear in the points, 24 bytes a point and less than 300 bytes a point that
 /// stands above the ground.
 ///
 /// Const, safe to use from several threads. Same cloud, options and seed: same bytes at any thread

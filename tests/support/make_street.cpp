@@ -29,14 +29,27 @@ KittiCalibration made_calibration() {
   return calibration;
 }
 
+/// The share of the projected box outside of the image.
+double truncation(const KittiObject& object, const KittiCalibration& calibration) {
+  const auto area = [](const arbox::io::ImageBox& box) {
+    return (box.right - box.left) * (box.bottom - box.top);
+  };
+  const auto whole = projected_box(object, calibration);
+  const auto inside = whole ? clipped(*whole, kImage) : std::nullopt;
+  return inside ? 1.0 - area(*inside) / area(*whole) : 1.0;
+}
+
+/// 0 fully visible, 1 partly hidden, 2 largely hidden.
+int occlusion(double visible) { return visible > 0.8 ? 0 : (visible > 0.4 ? 1 : 2); }
+
 std::vector<KittiObject> labels(const arbox::testing::StreetScene& scene,
                                 const KittiCalibration& calibration) {
   std::vector<KittiObject> objects;
   for (std::size_t i = 0; i < scene.truth.size(); ++i) {
     if (scene.returns[i] < kFewestReturns) continue;
     for (KittiObject object : to_kitti_results({&scene.truth[i], 1}, calibration, kImage)) {
-      object.truncation = 0.0;
-      object.occlusion = 0;
+      object.truncation = truncation(object, calibration);
+      object.occlusion = occlusion(scene.visible[i]);
       objects.push_back(object);
     }
   }

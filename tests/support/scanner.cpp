@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "arbox/base/parallel.h"
 #include "arbox/base/random.h"
@@ -36,6 +37,11 @@ std::optional<double> meet_ground(const GroundHeight& ground, const Eigen::Vecto
   return {};
 }
 
+/// Rays that meet an object: at all, and before anything else.
+struct RayCount {
+  int meeting = 0, first = 0;
+};
+
 struct Return {
   Eigen::Vector3d point;
   double intensity;
@@ -48,6 +54,7 @@ StreetScene scan(const std::vector<OwnedConvex>& solids, std::vector<geometry::D
                  const GroundHeight& ground, const StreetOptions& options) {
   const int steps = static_cast<int>(2.0 * options.half_view / options.azimuth_step);
   std::vector<std::vector<Return>> beams(kBeams);
+  std::vector<std::vector<RayCount>> rays(kBeams, std::vector<RayCount>(truth.size()));
   parallel_for(kBeams, 1, 0, [&](std::int64_t begin, std::int64_t) {
     const int beam = static_cast<int>(begin);
     const RandomStream draw(options.seed, static_cast<std::uint64_t>(beam), 1);
@@ -62,9 +69,15 @@ StreetScene scan(const std::vector<OwnedConvex>& solids, std::vector<geometry::D
       double distance = kRange, intensity = 0.0, lost = 0.0, cosine = 1.0;
       int owner = -1;
       bool hit_anything = false;
+      int last_met = -1;
       for (std::size_t i = 0; i < solids.size(); ++i) {
         const auto hit = enter(solids[i].solid, direction);
-        if (!hit || hit->distance >= distance) continue;
+        if (!hit) continue;
+        // The solids of an object stand together.
+        if (solids[i].owner >= 0 && std::exchange(last_met, solids[i].owner) != solids[i].owner) {
+          ++rays[beam][solids[i].owner].meeting;
+        }
+        if (hit->distance >= distance) continue;
         const double luck = RandomStream(options.seed, i, 2)
                                 .uniform(static_cast<std::uint32_t>(beam * steps + step));
         if (luck < solids[i].solid.passed) continue;
@@ -83,6 +96,7 @@ StreetScene scan(const std::vector<OwnedConvex>& solids, std::vector<geometry::D
         owner = -1;
         hit_anything = true;
       }
+      if (owner >= 0) ++rays[beam][owner].first;
       const double fading = 0.002 + 0.25 * std::pow(distance / 50.0, 3.0) + 0.05 * (1.0 - cosine);
       if (!hit_anything || draw.uniform(first) < lost + options.noise * fading) continue;
       const double noisy =
@@ -92,9 +106,19 @@ StreetScene scan(const std::vector<OwnedConvex>& solids, std::vector<geometry::D
       beams[beam].push_back({noisy * direction, std::clamp(shine, 0.0, 0.99), owner});
     }
   });
-  StreetScene scene{
-      .cloud = {.channels = {"intensity"}, .values = {}}, .truth = std::move(truth), .returns = {}};
+  StreetScene scene{.cloud = {.channels = {"intensity"}, .values = {}},
+                    .truth = std::move(truth),
+                    .returns = {},
+                    .visible = {}};
   scene.returns.assign(scene.truth.size(), 0);
+  for (std::size_t object = 0; object < scene.truth.size(); ++object) {
+    RayCount sum;
+    for (const auto& beam : rays) {
+      sum.meeting += beam[object].meeting;
+      sum.first += beam[object].first;
+    }
+    scene.visible.push_back(sum.meeting > 0 ? static_cast<double>(sum.first) / sum.meeting : 0.0);
+  }
   for (const auto& beam : beams) {
     for (const Return& found : beam) {
       for (int axis = 0; axis < 3; ++axis) {

@@ -32,6 +32,8 @@ struct StreetScene {
   std::vector<geometry::Detection> truth;
   /// How many returns each of them has.
   std::vector<int> returns;
+  /// The share of the rays that would meet it alone which do meet it first, in [0, 1].
+  std::vector<double> visible;
 };
 
 /// The whole street: parked and moving cars, persons, cyclists, walls, trees, poles, kerbs.

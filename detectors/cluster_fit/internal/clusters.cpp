@@ -55,7 +55,7 @@ class CellTable {
   }
 
   void grow() {
-    slots_.assign(4 * slots_.size(), Slot{{}, kNone});
+    slots_.assign(2 * slots_.size(), Slot{{}, kNone});
     for (std::uint32_t i = 0; i < cells_.size(); ++i) slots_[place(cells_[i])] = {cells_[i], i};
   }
 

@@ -66,6 +66,7 @@ void clusters_of_pcl(benchmark::State& state) {
   for (const auto& p : street().standing) cloud->emplace_back(p.x(), p.y(), p.z());
   std::vector<pcl::PointIndices> found;
   for (auto _ : state) {
+    found.clear();
     pcl::EuclideanClusterExtraction<pcl::PointXYZ> extraction;
     extraction.setClusterTolerance(street().options.tolerance);
     extraction.setMinClusterSize(street().options.min_points);

@@ -97,10 +97,10 @@ void add_show(CLI::App& config, const SharedFlags& flags) {
       ->type_name("KEY=VALUE");
   command->add_flag("--table", flags->table, "Print a Markdown table");
   add_json_flag(*command, flags->json);
-  add_examples(
-      *command,
-      {{"arbox config show detector/cluster_fit > mine.yaml", "A commented file to start from"},
-       {"arbox config show detector/cluster_fit --set min_points=12 --json", "Values after a change"}});
+  add_examples(*command, {{"arbox config show detector/cluster_fit > mine.yaml",
+                           "A commented file to start from"},
+                          {"arbox config show detector/cluster_fit --set min_points=12 --json",
+                           "Values after a change"}});
   command->callback([flags] { show(*flags); });
 }
 

@@ -39,13 +39,14 @@ std::vector<std::string> keys_below(const BoundOptions& options, const std::stri
 
 std::string unknown_key_text(const BoundOptions& options, const std::string& prefix,
                              const std::string& key) {
+  const std::string last_part = "." + key, full_key = prefix + key;
   // A key that is right but stands in another group is the nearest there is.
   for (const BoundOption& option : options.fields) {
-    if (option.key.ends_with("." + key) && !option.key.starts_with(prefix + key)) {
-      return "unknown key '" + prefix + key + "', nearest is '" + option.key + "'";
+    if (option.key.ends_with(last_part) && !option.key.starts_with(full_key)) {
+      return "unknown key '" + full_key + "', nearest is '" + option.key + "'";
     }
   }
-  return unknown_name_text("key", prefix + key, keys_below(options, prefix));
+  return unknown_name_text("key", full_key, keys_below(options, prefix));
 }
 
 std::optional<OptionInput> to_input(const YAML::Node& node) {

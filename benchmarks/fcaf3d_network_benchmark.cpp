@@ -91,7 +91,9 @@ SparseTensor conv_norm_elu(const Convolution& conv, const VoxelBatchNorm& norm,
   const auto [scale, shift] = norm.folded();
   const SparseTensor output = conv.forward_fused(input, {.scale = scale, .shift = shift});
   work.count(input.manager().convolution(input.set(), {}), conv);
-  return output.with_features(at::elu_(const_cast<at::Tensor&>(output.features())));
+  at::Tensor features = output.features();
+  at::elu_(features);
+  return output;
 }
 
 SparseTensor up_norm_elu(const Convolution& conv, const VoxelBatchNorm& norm,
@@ -99,7 +101,9 @@ SparseTensor up_norm_elu(const Convolution& conv, const VoxelBatchNorm& norm,
   const auto [scale, shift] = norm.folded();
   const SparseTensor output = conv.generate_fused(input, {.scale = scale, .shift = shift});
   work.count(input.manager().generative(input.set(), kTwoDown), conv);
-  return output.with_features(at::elu_(const_cast<at::Tensor&>(output.features())));
+  at::Tensor features = output.features();
+  at::elu_(features);
+  return output;
 }
 
 SparseTensor residual(ResidualBlock& block, const SparseTensor& input, Work& work) {

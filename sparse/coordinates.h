@@ -1,15 +1,17 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace arbox::sparse {
 
-/// An integer voxel coordinate: one row of an (N, 4) int32 tensor. Any sign.
+/// An integer voxel coordinate: one row of an (N, 4) int32 tensor. Any sign. Ordered by batch, x,
+/// y, z.
 struct Coordinate {
   std::int32_t batch = 0, x = 0, y = 0, z = 0;
-  friend bool operator==(const Coordinate&, const Coordinate&) = default;
+  friend auto operator<=>(const Coordinate&, const Coordinate&) = default;
 };
 
 /// Coordinates in the order (batch, x, y, z), with the place where each came from.

@@ -41,12 +41,6 @@ CoordinateSetPtr kept_set(const CoordinateSet& set, const bool* keep) {
   return std::make_shared<const CoordinateSet>(std::move(sorted), set.lattice());
 }
 
-bool before(const Coordinate& a, const Coordinate& b) {
-  if (a.batch != b.batch) return a.batch < b.batch;
-  if (a.x != b.x) return a.x < b.x;
-  return a.y != b.y ? a.y < b.y : a.z < b.z;
-}
-
 struct Union {
   SortedCoordinates sorted;
   std::vector<std::int64_t> from_a, from_b;  // row of the union for each row of a and b
@@ -60,8 +54,8 @@ Union unite(const SortedCoordinates& a, const SortedCoordinates& b) {
   std::int32_t row = 0;
   for (; i < a.rows.size() || j < b.rows.size(); ++row) {
     const bool end_a = i == a.rows.size(), end_b = j == b.rows.size();
-    const bool take_a = !end_a && (end_b || !before(b.coordinates[j], a.coordinates[i]));
-    const bool take_b = !end_b && (end_a || !before(a.coordinates[i], b.coordinates[j]));
+    const bool take_a = !end_a && (end_b || a.coordinates[i] <= b.coordinates[j]);
+    const bool take_b = !end_b && (end_a || b.coordinates[j] <= a.coordinates[i]);
     result.sorted.coordinates.push_back(take_a ? a.coordinates[i] : b.coordinates[j]);
     result.sorted.rows.push_back(row);
     if (take_a) result.from_a[a.rows[i++]] = row;

@@ -15,14 +15,13 @@ namespace {
 using namespace arbox;
 using namespace arbox::sparse;
 
-auto key(const Coordinate& c) { return std::tie(c.batch, c.x, c.y, c.z); }
-
 TEST(Coordinates, SortLikeTuplesOfAnySign) {
   const auto voxels = random_voxels(1, 5000, 3, -40, 80);
   const SortedCoordinates sorted = sort_coordinates(voxels);
   auto expected = voxels;
-  std::sort(expected.begin(), expected.end(),
-            [](const Coordinate& a, const Coordinate& b) { return key(a) < key(b); });
+  std::sort(expected.begin(), expected.end(), [](const Coordinate& a, const Coordinate& b) {
+    return std::tie(a.batch, a.x, a.y, a.z) < std::tie(b.batch, b.x, b.y, b.z);
+  });
   EXPECT_EQ(sorted.coordinates, expected);
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     EXPECT_EQ(sorted.coordinates[i], voxels[sorted.rows[i]]);

@@ -146,7 +146,9 @@ SceneLabels make_labels(const Scene& scene, const RayTracer& tracer, const Camer
         (height < options.small_height && random.uniform(0) > options.small_labelled);
     if (in_reach && visible >= options.least_visible && !small) {
       label.truncation = seen[i]->truncation;
-      label.occlusion = occlusion_level(visible, options);
+      label.occlusion = label.truncation > 0.0 && random.uniform(1) < options.truncated_unknown
+                            ? 3
+                            : occlusion_level(visible, options);
       label.left = seen[i]->cut.left;
       label.top = seen[i]->cut.top;
       label.right = seen[i]->cut.right;
@@ -155,7 +157,8 @@ SceneLabels make_labels(const Scene& scene, const RayTracer& tracer, const Camer
       labels.image_objects.push_back(i);
       continue;
     }
-    if (in_reach && visible > 0.0 && height > 8.0 && seen[i]->truncation < 0.5) {
+    if (in_reach && visible > 0.03 && height > 9.0 && seen[i]->truncation < 0.5 &&
+        random.uniform(2) < options.ignored) {
       ignored.push_back(dont_care(seen[i]->cut));
     }
     label.truncation = 1.0;

@@ -14,18 +14,22 @@ namespace arbox::simulation {
 /// labelled by the image, whatever number of points they have.
 struct LabelOptions {
   /// Objects of which less is visible get no label.
-  double least_visible = 0.08;
+  double least_visible = 0.12;
   /// More visible: occlusion level 0; more than the second: 1; else 2.
-  double fully_visible = 0.85, partly_visible = 0.50;
+  double fully_visible = 0.85, partly_visible = 0.42;
   /// Lower 2-D boxes (pixels) are never labelled; those up to `small_height` in part, and become
   /// DontCare areas otherwise.
-  double least_height = 14.0, small_height = 26.0;
+  double least_height = 14.0, small_height = 27.0;
   /// Share of the small objects that get a label.
-  double small_labelled = 0.6;
+  double small_labelled = 0.4;
+  /// Share of the truncated objects whose occlusion level is 3 (unknown).
+  double truncated_unknown = 0.25;
+  /// Share of the other objects in view that become DontCare areas.
+  double ignored = 0.55;
   /// Farther objects (metres from the camera) get no label.
   double farthest = 85.0;
   /// Objects with a larger part outside of the image get no label.
-  double most_truncated = 0.93;
+  double most_truncated = 0.985;
 
   template <class Visitor>
   static void describe(Visitor& visitor) {
@@ -50,6 +54,10 @@ struct LabelOptions {
                    .low = 0,
                    .high = 1000});
     share("small_labelled", &LabelOptions::small_labelled, "That part");
+    share("truncated_unknown", &LabelOptions::truncated_unknown,
+          "Share of the truncated objects whose occlusion level is 3 (unknown)");
+    share("ignored", &LabelOptions::ignored,
+          "Share of the other objects in view that become DontCare areas");
     visitor.field(
         "farthest", &LabelOptions::farthest,
         {.help = "Distance beyond which nothing is labelled", .unit = "m", .low = 0, .high = 1000});

@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr int kMostSurfaces = 8;
+/// What a pane of tinted glass lets through and back.
+constexpr double kPaneTransmittance = 0.20;
 
 enum Purpose : std::uint32_t { kSteps = 100, kPulse = 101 };
 
@@ -23,6 +25,7 @@ enum Draw : std::uint32_t {
   kSpurious,
   kSpuriousLength,
   kIntensityNoise,
+  kZero,
   kSurface,  // and one for each further surface
 };
 
@@ -77,15 +80,26 @@ double rounded(double value, double step) {
 double incidence_gain(double cosine) { return std::min(1.0, 0.58 + 1.05 * cosine); }
 
 /// How reported intensity falls with range although the sensor adapts its power.
-double range_gain(double range) { return std::clamp(1.18 - 0.0125 * range, 0.3, 1.0); }
+double range_gain(double range) { return std::clamp(1.35 - 0.015 * range, 0.3, 1.0); }
 
 double intensity_floor(double range) { return std::clamp(0.0045 * (range - 15.0), 0.0, 0.18); }
+
+/// Chance that a return is reported with intensity 0 although its range is good: weak returns
+/// mostly, strong ones now and then.
+double zero_chance(double intensity) { return 0.03 + 0.92 * std::exp(-intensity / 0.07); }
+
+/// What is left of the reflectivity when a glossy surface is met at an angle.
+double gloss_gain(double gloss, double cosine) {
+  const double squared = cosine * cosine;
+  return 1.0 - gloss + gloss * squared * squared * squared;
+}
 
 /// Follows the pulse through transparent surfaces. False if nothing comes back.
 bool follow(const RayTracer& tracer, const LidarModel& model, const Eigen::Vector3d& origin,
             const Eigen::Vector3d& direction, double time, const RandomStream& random, bool ideal,
-            Hit& hit) {
+            Hit& hit, double& through) {
   double nearest = model.nearest;
+  through = 1.0;
   for (int surface = 0; surface < kMostSurfaces; ++surface) {
     if (!tracer.trace(origin, direction, time, nearest, model.farthest, hit)) return false;
     if (ideal) return true;
@@ -93,28 +107,34 @@ bool follow(const RayTracer& tracer, const LidarModel& model, const Eigen::Vecto
     const double draw = random.uniform(kSurface + static_cast<std::uint32_t>(surface));
     if (draw >= material.transmission) return draw >= material.transmission + material.loss;
     nearest = hit.distance + 1e-3;
+    through *= kPaneTransmittance;
   }
   return false;
 }
 
 /// Reflectivity of this return, or a negative number if the return is lost.
 double received(const LidarModel& model, const LidarBeam& beam, const Hit& hit, double cosine,
-                const RandomStream& random) {
+                double through, const RandomStream& random) {
   const MaterialProperties& material = properties(hit.material);
-  const double reflectivity = std::max(
-      0.004, (material.reflectivity + 0.35 * material.spread * random.normal(kReflectivity)) *
-                 hit.brightness);
+  const double brightness = takes_brightness(hit.material) ? hit.brightness : 1.0;
+  const double reflectivity =
+      std::max(0.004, (material.reflectivity +
+                       0.35 * material.spread * random.normal(kReflectivity)) *
+                          brightness * gloss_gain(material.gloss, cosine) * through);
   const double range = hit.distance;
   const double signal = reflectivity * std::max(cosine, 0.01) / (range * range);
   const double kept = 1.0 / (1.0 + std::pow(model.half_signal / signal, model.signal_sharpness));
-  const double grazing = std::min(0.12, 0.003 / std::max(cosine, 0.02));
+  const double slant = (1.0 - cosine) * (1.0 - cosine);
+  const double grazing =
+      std::min(0.12, 0.003 / std::max(cosine, 0.02)) + 0.30 * material.gloss * slant * slant;
   if (random.uniform(kSignal) > kept) return -1.0;
   if (random.uniform(kDropout) < model.dropout + model.dropout_growth * range + grazing) {
     return -1.0;
   }
   const double gain = beam.gain * (1.0 + 0.12 * random.normal(kIntensityNoise));
-  return std::max(0.0, reflectivity * gain * incidence_gain(cosine) * range_gain(range) -
-                           intensity_floor(range));
+  const double intensity = std::max(
+      0.0, reflectivity * gain * incidence_gain(cosine) * range_gain(range) - intensity_floor(range));
+  return random.uniform(kZero) < zero_chance(intensity) ? 0.0 : intensity;
 }
 
 double measured_range(const LidarModel& model, const LidarBeam& beam, const Hit& hit, double cosine,
@@ -151,14 +171,15 @@ std::vector<LidarReturn> scan(const Scene& scene, const RayTracer& tracer, const
       const Eigen::Vector3d direction = poses[firing].linear() * pulse.direction;
       const RandomStream random(scene.seed, ring << 16 | firing, kPulse);
       Hit hit;
+      double through = 1.0;
       if (!follow(tracer, model, poses[firing] * pulse.origin, direction, part, random,
-                  options.ideal, hit)) {
+                  options.ideal, hit, through)) {
         continue;
       }
       const double cosine = std::abs(hit.normal.dot(direction));
       double range = hit.distance, intensity = properties(hit.material).reflectivity;
       if (!options.ideal) {
-        intensity = received(model, beam, hit, cosine, random);
+        intensity = received(model, beam, hit, cosine, through, random);
         if (intensity < 0.0) continue;
         range = measured_range(model, beam, hit, cosine, intensity, random);
         if (range < model.nearest || range >= model.farthest) continue;

@@ -41,8 +41,14 @@ struct MaterialProperties {
   /// Probability that the pulse is lost at normal incidence beyond what range and angle explain
   /// (specular surfaces send it elsewhere).
   double loss = 0.0;
+  /// Share of the reflectivity that lies in a narrow lobe about the normal (glossy paint).
+  double gloss = 0.0;
 };
 const MaterialProperties& properties(Material material);
+
+/// True if an instance's brightness changes this material: paint, cloth, walls and plants, but not
+/// glass, tyres, reflectors and skin.
+bool takes_brightness(Material material);
 
 /// Triangles in a frame of their own, metres. Counter-clockwise seen from outside.
 struct TriangleMesh {

@@ -14,8 +14,8 @@ Point swing(float length, float angle) {
 void add_leg(MeshBuilder& body, const Point& hip, float thigh_angle, float shin_angle) {
   const Point knee = hip + swing(.43f, thigh_angle);
   const Point ankle = knee + swing(.40f, shin_angle);
-  body.limb(hip, knee, .085f, .060f, kClothes);
-  body.limb(knee, ankle, .060f, .042f, kClothes);
+  body.limb(hip, knee, .098f, .070f, kClothes);
+  body.limb(knee, ankle, .070f, .052f, kClothes);
   body.ellipsoid(ankle + Point(.07f, 0, -.04f), {.13f, .045f, .045f}, Material::kRubber, 4, 7);
 }
 
@@ -24,7 +24,7 @@ void add_arm(MeshBuilder& body, const Point& shoulder, float upper_angle, float 
   Point elbow = shoulder + swing(.30f, upper_angle);
   elbow.y() += outward;
   const Point hand = elbow + swing(.27f, lower_angle);
-  body.limb(shoulder, elbow, .052f, .042f, kClothes);
+  body.limb(shoulder, elbow, .062f, .052f, kClothes);
   body.limb(elbow, hand, .042f, .034f, kClothes);
   body.ellipsoid(hand + swing(.07f, lower_angle), {.04f, .03f, .07f}, Material::kSkin, 4, 6);
 }
@@ -63,7 +63,7 @@ void add_torso(MeshBuilder& body, const Point& hip, const Point& chest, float gi
 void build_pedestrian(Dice& dice, MeshBuilder& body) {
   const bool walks = dice.chance(0.78);
   const float stride = walks ? dice.uniform(.18, .48) : dice.uniform(0, .06);
-  const float girth = dice.uniform(.9, 1.25);
+  const float girth = dice.uniform(1.0, 1.4);
   const float hip_height = .92f - .30f * stride * stride;
   const float lean = walks ? dice.uniform(.0, .08) : 0.0f;
   const Point hip(0, 0, hip_height), chest(lean, 0, hip_height + .42f);
@@ -171,7 +171,7 @@ void build_cyclist(Dice& dice, MeshBuilder& body) {
     body.limb(shoulder, elbow, .052f, .042f, kClothes);
     body.limb(elbow, hand, .042f, .034f, kClothes);
   }
-  add_torso(body, hip, chest, dice.uniform(.95, 1.2));
+  add_torso(body, hip, chest, dice.uniform(1.2, 1.5));
   add_head(body, chest + Point(.06f, 0, .17f), dice);
   if (dice.chance(0.35)) {
     body.ellipsoid(chest + Point(-.19f, 0, -.02f), {.10f, .15f, .20f}, kClothes);

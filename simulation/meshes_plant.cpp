@@ -59,12 +59,12 @@ void add_conifer(MeshBuilder& body, Dice& dice) {
 }
 
 void add_bush(MeshBuilder& body, Dice& dice) {
-  const int lumps = 2 + dice.below(4);
+  const int lumps = 3 + dice.below(4);
   for (int i = 0; i < lumps; ++i) {
-    const float r = dice.uniform(.35, .75), h = dice.uniform(.4, .9);
-    const Point center{dice.uniform(-.6, .6), dice.uniform(-.5, .5), .8f * h};
-    add_crown(body, center, {r, r, h}, 330, .055f, dice);
-    body.ellipsoid(center - Point(0, 0, .1f), {.55f * r, .55f * r, .6f * h}, Material::kFoliage, 4,
+    const float r = dice.uniform(.25, .7), h = dice.uniform(.3, .9);
+    const Point center{dice.uniform(-.9, .9), dice.uniform(-.7, .7), dice.uniform(.6, 1.1) * h};
+    add_crown(body, center, {1.25f * r, 1.25f * r, 1.15f * h}, 300, .05f, dice);
+    body.ellipsoid(center - Point(0, 0, .1f), {.5f * r, .5f * r, .55f * h}, Material::kFoliage, 4,
                    7);
   }
   for (int i = 0; i < 4; ++i) {

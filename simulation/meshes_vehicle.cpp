@@ -26,7 +26,7 @@ Section section_of(const Station& s, float sign) {
           at(0.86f * s.half_shoulder, s.bottom),
           at(0.965f * s.half_shoulder, low),
           at(s.half_shoulder, middle),
-          at(0.975f * s.half_shoulder, s.shoulder),
+          at(0.955f * s.half_shoulder, s.shoulder),
           at(s.half_top, s.top),
           at(0.72f * s.half_top, s.top + 0.030f),
           at(0, s.top + 0.045f)};
@@ -77,7 +77,7 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               about(1.49, .02),
               .19f,
               about(.86, .03),
-              about(.92, .02),
+              about(.865, .02),
               about(.26, .06),
               .44f,
               about(.93, .01),
@@ -89,7 +89,7 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               about(1.43, .02),
               .18f,
               about(.82, .03),
-              about(.91, .02),
+              about(.86, .02),
               about(.30, .05),
               .45f,
               about(.74, .02),
@@ -101,7 +101,7 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               about(1.46, .02),
               .18f,
               about(.83, .03),
-              about(.92, .02),
+              about(.865, .02),
               about(.29, .05),
               .43f,
               about(.94, .01),
@@ -113,7 +113,7 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               about(1.70, .02),
               .27f,
               about(1.02, .03),
-              about(1.08, .02),
+              about(1.02, .02),
               about(.27, .05),
               .41f,
               about(.93, .01),
@@ -125,7 +125,7 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               about(1.66, .02),
               .20f,
               about(.95, .03),
-              about(1.0, .02),
+              about(.96, .02),
               about(.21, .06),
               .37f,
               about(.94, .01),
@@ -161,7 +161,7 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               about(1.47, .02),
               .18f,
               about(.84, .03),
-              about(.91, .02),
+              about(.86, .02),
               about(.27, .06),
               .43f,
               about(.92, .015),
@@ -173,7 +173,7 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
 std::vector<Station> stations_of(const CarShape& car, bool side_windows, bool rear_window) {
   const auto x = [&](float share) { return car.length * (0.5f - share); };
   const float half = 0.5f * car.width, roof = car.height - 0.045f;
-  const float nose = 0.72f * car.bonnet, roof_half = 0.74f * half;
+  const float nose = 0.72f * car.bonnet, roof_half = 0.70f * half;
   const Material window = side_windows ? Material::kGlass : Material::kPaintLight;
   const Material rear = rear_window ? Material::kGlass : Material::kPaintLight;
   constexpr Material kPaint = Material::kPaintLight;
@@ -203,13 +203,13 @@ std::vector<Station> stations_of(const CarShape& car, bool side_windows, bool re
     list.push_back({x(car.deck), car.bottom, car.shoulder, car.shoulder + .06f, half, .82f * half,
                     kPaint, kPaint});
     list.push_back({x(.975f), car.bottom + .02f, car.shoulder - .05f, car.shoulder + .03f,
-                    .95f * half, .80f * half, kPaint, kPaint});
+                    .89f * half, .76f * half, kPaint, kPaint});
   } else {
     list.push_back({x(std::max(.975f, last + .005f)), car.bottom + .02f, car.shoulder - .02f,
-                    car.shoulder + .04f, .95f * half, .78f * half, kPaint, kPaint});
+                    car.shoulder + .04f, .89f * half, .74f * half, kPaint, kPaint});
   }
   list.push_back({x(1.0f), car.bottom + .08f, .52f * car.shoulder, .54f * car.shoulder + .02f,
-                  .80f * half, .72f * half, kPaint, kPaint});
+                  .74f * half, .66f * half, kPaint, kPaint});
   return list;
 }
 
@@ -218,9 +218,9 @@ void add_lamps_and_plates(MeshBuilder& body, const CarShape& car) {
   for (const float sign : {-1.0f, 1.0f}) {
     const float y = sign * 0.74f * half;
     body.block({front - .16f, y - .14f, .70f * car.bonnet},
-               {front - .018f * car.length, y + .14f, .84f * car.bonnet}, Material::kPlastic);
+               {front - .018f * car.length, y + .14f, .84f * car.bonnet}, Material::kMetal);
     body.block({-front + .006f * car.length, y - .08f, .66f * car.shoulder},
-               {-front + .15f, y + .08f, .90f * car.shoulder}, Material::kPlastic);
+               {-front + .15f, y + .08f, .90f * car.shoulder}, Material::kRetroreflector);
     body.block({-front + .004f, y - .05f, .48f * car.shoulder},
                {-front + .08f, y + .05f, .53f * car.shoulder}, Material::kRetroreflector);
   }
@@ -286,6 +286,11 @@ void build_vehicle(ModelKind kind, Dice& dice, MeshBuilder& body, MeshBuilder& o
                    Material::kCloth, 4, 7);
   }
   add_lamps_and_plates(body, car);
+  if (!van && dice.chance(0.8)) {
+    const float x = car.length * (.5f - car.roof_rear + .05f), top = car.height - .01f;
+    body.cylinder({x, 0, top - .02f}, {x - .04f, 0, top + dice.uniform(.04, .09)}, .02f, .008f, 5,
+                  Material::kPlastic);
+  }
   add_mirrors(overhang, car);
 }
 

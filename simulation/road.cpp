@@ -92,7 +92,7 @@ double Road::height(double s, double t) const {
   const double off = std::max(0.0, distance - here.property_line());
   z += (crosses ? 0.3 : 1.0) * here.bank * std::min(off, 25.0);
   const double wild = 0.25 + 0.75 * ramp(off, 0.0, 3.0);
-  z += roughness * (0.006 * noise(seed, place.x(), place.y(), 2.3, 0) * wild * 4 +
+  z += roughness * (0.030 * noise(seed, place.x(), place.y(), 2.3, 0) * wild * wild +
                     0.045 * noise(seed, place.x(), place.y(), 11.0, 1) * wild +
                     0.08 * noise(seed, place.x(), place.y(), 43.0, 2) *
                         std::min(1.0, place.squaredNorm() / 900.0));

@@ -37,9 +37,9 @@ Parking draw_parking(District district, Dice& dice) {
              : draw < .66 ? Parking::kOblique
                           : Parking::kNone;
     case District::kResidential:
-      return draw < .58   ? Parking::kParallel
-             : draw < .70 ? Parking::kPerpendicular
-             : draw < .76 ? Parking::kOblique
+      return draw < .60   ? Parking::kParallel
+             : draw < .66 ? Parking::kPerpendicular
+             : draw < .72 ? Parking::kOblique
                           : Parking::kNone;
     case District::kCampus:
       return draw < .2 ? Parking::kPerpendicular : Parking::kNone;
@@ -65,13 +65,13 @@ RoadSide draw_side(const Road& road, double sign, Dice& dice) {
     case District::kResidential:
       side.pavement = dice.uniform(.9, 2.4);
       side.verge = dice.chance(.25) ? dice.uniform(.5, 2) : 0.0;
-      side.setback = dice.uniform(1.5, 7);
+      side.setback = dice.uniform(1.2, 5.5);
       side.bank = dice.normal(.0, .05);
       break;
     case District::kCampus:
       side.pavement = dice.uniform(2, 5);
-      side.verge = dice.uniform(1, 6);
-      side.setback = dice.uniform(4, 18);
+      side.verge = dice.uniform(0, 4);
+      side.setback = dice.uniform(3, 12);
       break;
     case District::kRoad:
       side.curb = dice.chance(.4) ? side.curb : .01;

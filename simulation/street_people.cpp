@@ -32,7 +32,7 @@ void add_walkers(StreetBuilder& builder, double expected) {
   double left = expected;
   while (left > 0.0 && dice.chance(std::min(1.0, left))) {
     left -= 1.0;
-    const double s = dice.normal(4, 24);
+    const double s = dice.normal(6, 14);
     const RoadSide& side = dice.chance(.5) ? road.left : road.right;
     const Spot spot{.s = s, .t = draw_across(road, side, dice), .turn = draw_heading(dice)};
     const double speed = dice.chance(.7) ? dice.uniform(.7, 1.6) : 0.0;
@@ -53,12 +53,12 @@ void add_riders(StreetBuilder& builder, double expected) {
   const Road& road = builder.road();
   while (expected > 0.0 && dice.chance(std::min(1.0, expected))) {
     expected -= 1.0;
-    const RoadSide& side = dice.chance(.55) ? road.left : road.right;
+    const RoadSide& side = dice.chance(.45) ? road.left : road.right;
     const double t = dice.chance(.6) ? side.edge - dice.uniform(.3, 1.0)
                                      : side.curb_line() + dice.uniform(.2, 1.5);
     const double along = (side.sign > 0) == dice.chance(.8) ? kPi : 0.0;
     const double turn = dice.chance(.8) ? along + dice.normal(0, .12) : dice.uniform(-kPi, kPi);
-    builder.add_person("Cyclist", {.s = dice.normal(8, 30), .t = side.sign * t, .turn = turn},
+    builder.add_person("Cyclist", {.s = dice.normal(10, 26), .t = side.sign * t, .turn = turn},
                        dice.chance(.85) ? dice.uniform(2.5, 6) : 0.0);
   }
 }
@@ -83,9 +83,9 @@ void add_people(StreetBuilder& builder, const StreetOptions& options) {
   const District district = builder.road().district;
   const bool open = district == District::kCampus || district == District::kInnerCity;
   const double quiet = district == District::kHighway ? .1 : district == District::kRoad ? .3 : .9;
-  const double usual = open ? 4.2 : quiet;
-  add_walkers(builder, options.people * usual * std::exp(dice.normal(-.3, .95)));
-  const double riders = district == District::kHighway ? .03 : open ? 1.2 : .55;
+  const double usual = open ? 3.6 : quiet;
+  add_walkers(builder, options.people * usual * std::exp(dice.normal(-.1, 1.15)));
+  const double riders = district == District::kHighway ? .03 : open ? 1.1 : .42;
   add_riders(builder, options.people * riders * std::exp(dice.normal(-.2, .7)));
   if (dice.chance(std::min(1.0, options.people * (open ? .12 : .01)))) add_sitting(builder);
 }

@@ -24,7 +24,7 @@ void add_houses(StreetBuilder& builder, const RoadSide& side) {
   const Road& road = builder.road();
   Dice& dice = builder.dice();
   const bool town = road.district == District::kInnerCity;
-  const double chance = built_up(road.district) ? (town ? .92 : .85) : .18;
+  const double chance = built_up(road.district) ? (town ? .95 : .92) : .25;
   double s = -kFar;
   while (s < kFar) {
     const ModelKind kind = town                                 ? ModelKind::kTownHouse
@@ -50,7 +50,7 @@ enum class Border { kHedge, kWall, kPickets, kMesh, kBushes, kOpen };
 Border draw_border(District district, Dice& dice) {
   const double draw = dice.uniform(0, 1);
   if (district == District::kInnerCity) {
-    return draw < .15 ? Border::kWall : draw < .3 ? Border::kHedge : Border::kOpen;
+    return draw < .25 ? Border::kWall : draw < .55 ? Border::kHedge : draw < .7 ? Border::kBushes : Border::kOpen;
   }
   if (district == District::kResidential) {
     return draw < .36   ? Border::kHedge
@@ -109,6 +109,19 @@ void add_borders(StreetBuilder& builder, const RoadSide& side) {
   }
 }
 
+/// Bushes that have grown into each other.
+void add_thicket(StreetBuilder& builder, const Spot& spot, double line) {
+  Dice& dice = builder.dice();
+  const int count = 2 + dice.below(5);
+  for (int i = 0; i < count; ++i) {
+    Spot place{spot.s + dice.normal(0, 1.3), spot.t + dice.normal(0, .9), dice.uniform(0, 6.2)};
+    if (std::abs(place.t) < line + .8) continue;
+    const double width = dice.uniform(.7, 1.6);
+    builder.add_thing(dice.chance(.8) ? ModelKind::kBush : ModelKind::kConifer, place,
+                      {width, width * dice.uniform(.7, 1.3), dice.uniform(.7, 2.1)}, false, .1);
+  }
+}
+
 void add_gardens(StreetBuilder& builder, const RoadSide& side) {
   const Road& road = builder.road();
   Dice& dice = builder.dice();
@@ -116,12 +129,14 @@ void add_gardens(StreetBuilder& builder, const RoadSide& side) {
   for (double s = -kFar; s < kFar; s += 5.5) {
     if (road.crossing(s, side.sign > 0, 1.0)) continue;
     for (double t = side.property_line() + 1.2; t < side.property_line() + 34; t += 4.5) {
-      if (!dice.chance(density * .55)) continue;
+      if (!dice.chance(density * .8)) continue;
       const Spot spot{s + dice.uniform(-2.5, 2.5), side.sign * (t + dice.uniform(-2, 2)),
                       dice.uniform(0, 6.2)};
       if (std::abs(spot.t) < side.property_line() + .9) continue;
       const double draw = dice.uniform(0, 1), size = dice.uniform(.6, 1.3);
-      if (draw < .40) {
+      if (draw < .28) {
+        add_thicket(builder, spot, side.property_line());
+      } else if (draw < .40) {
         builder.add_thing(ModelKind::kBush, spot, Scale::Constant(1.3 * size));
       } else if (draw < .62) {
         builder.add_thing(ModelKind::kConifer, spot, Scale::Constant(size));
@@ -139,7 +154,7 @@ void add_gardens(StreetBuilder& builder, const RoadSide& side) {
 void add_woods(StreetBuilder& builder, const RoadSide& side) {
   const Road& road = builder.road();
   Dice& dice = builder.dice();
-  const double chance = dice.uniform(.05, .6);
+  const double chance = dice.uniform(.15, .75);
   const double line = side.property_line() + dice.uniform(1.5, 8);
   for (double s = -kFar; s < kFar; s += 3.0) {
     if (road.crossing(s, side.sign > 0, 1.0)) continue;

@@ -13,15 +13,15 @@ constexpr double kFar = 82.0;
 std::string draw_moving(District district, Dice& dice) {
   const bool large = district == District::kHighway || district == District::kRoad;
   const double draw = dice.uniform(0, 1);
-  if (draw < .83) return "Car";
-  if (draw < (large ? .90 : .935)) return "Van";
-  if (draw < (large ? .985 : .965)) return "Truck";
-  return draw < .97 ? "Misc" : "Car";
+  if (draw < .85) return "Car";
+  if (draw < (large ? .91 : .915)) return "Van";
+  if (draw < (large ? .99 : .96)) return "Truck";
+  return draw < (large ? 1.0 : .975) ? "Misc" : "Car";
 }
 
 std::string draw_parked(Dice& dice) {
   const double draw = dice.uniform(0, 1);
-  return draw < .895 ? "Car" : draw < .975 ? "Van" : draw < .985 ? "Truck" : "Misc";
+  return draw < .915 ? "Car" : draw < .962 ? "Van" : draw < .975 ? "Truck" : "Misc";
 }
 
 double usual_speed(District district) {
@@ -55,10 +55,10 @@ void fill_lane(StreetBuilder& builder, double t, bool same, double mean_gap) {
 void fill_lanes(StreetBuilder& builder, double factor) {
   const Road& road = builder.road();
   Dice& dice = builder.dice();
-  double mean_gap = 38.0 * std::exp(dice.normal(0, .9));
+  double mean_gap = 55.0 * std::exp(dice.normal(0, .9));
   if (road.district == District::kHighway) mean_gap *= .65;
   if (road.district == District::kCampus) mean_gap *= 4.0;
-  if (dice.chance(.06)) mean_gap = 5.0;
+  if (dice.chance(.04)) mean_gap = 5.0;
   mean_gap = std::max(2.5, mean_gap / std::max(1e-3, factor));
   if (factor <= 0.0) return;
   for (int lane = 0; lane < road.lanes_same; ++lane) {
@@ -99,10 +99,10 @@ void park_in_drives(StreetBuilder& builder, const RoadSide& side, double factor)
   const Road& road = builder.road();
   Dice& dice = builder.dice();
   if (road.district == District::kHighway) return;
-  const double chance = factor * (road.district == District::kResidential ? .22 : .10);
+  const double chance = factor * (road.district == District::kResidential ? .20 : .10);
   for (double s = -kFar; s < kFar; s += 11.0) {
     if (!dice.chance(std::min(1.0, chance)) || road.crossing(s, side.sign > 0, 3.0)) continue;
-    const double t = side.property_line() + dice.uniform(2.4, 6.0);
+    const double t = side.property_line() + dice.uniform(2.4, 12.0);
     const double turn = dice.chance(.75) ? (dice.chance(.5) ? .5 : -.5) * kPi + dice.normal(0, .12)
                                          : dice.uniform(-kPi, kPi);
     builder.add_vehicle(draw_parked(dice),
@@ -118,7 +118,7 @@ void fill_crossings(StreetBuilder& builder, double factor) {
       const RoadSide& side = builder.road().side(sign);
       for (double t = side.curb_line() + 3.0; t < 60; t += 7.0) {
         for (const double lane : {-1.0, 1.0}) {
-          if (!dice.chance(std::min(1.0, .13 * factor))) continue;
+          if (!dice.chance(std::min(1.0, .085 * factor))) continue;
           const double outward = lane * sign < 0 ? sign : -sign;
           builder.add_vehicle(draw_moving(builder.road().district, dice),
                               {.s = crossing.s + lane * .5 * crossing.half_width,
@@ -135,7 +135,7 @@ void add_tram(StreetBuilder& builder) {
   Dice& dice = builder.dice();
   const Road& road = builder.road();
   const bool in_town = road.district == District::kInnerCity || road.district == District::kCampus;
-  if (!dice.chance(in_town ? .30 : .04)) return;
+  if (!dice.chance(in_town ? .24 : .03)) return;
   const RoadSide& side = dice.chance(.7) ? road.left : road.right;
   const double t = side.sign > 0 && road.lanes_opposite > 0 && dice.chance(.5)
                        ? road.lane_width
@@ -151,7 +151,7 @@ void add_traffic(StreetBuilder& builder, const StreetOptions& options) {
   Dice& dice = builder.dice();
   add_tram(builder);
   for (const RoadSide* side : {&builder.road().left, &builder.road().right}) {
-    const double share = std::min(1.0, options.parked * dice.uniform(.05, .95));
+    const double share = std::min(1.0, options.parked * std::pow(dice.uniform(.05, .95), side->sign > 0 ? 1.6 : 2.2));
     if (side->parking != Parking::kNone) park_along(builder, *side, share);
     park_in_drives(builder, *side, options.parked);
   }

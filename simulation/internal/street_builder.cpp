@@ -106,7 +106,7 @@ bool StreetBuilder::add_object(const std::string& label, ModelKind kind, int var
 bool StreetBuilder::add_vehicle(const std::string& label, const Spot& spot, double speed) {
   const Eigen::Vector3d size = draw_size(label, dice_);
   const auto [kind, variant] = nearest_shape(kinds_of(label), size, dice_);
-  const double paint = label == "Car" ? dice_.normal(-1.1, 0.75) : dice_.normal(-0.25, 0.5);
+  const double paint = label == "Car" ? dice_.normal(-0.6, 0.6) : dice_.normal(-0.25, 0.5);
   return add_object(label, kind, variant, size, spot, speed,
                     std::clamp(std::exp(paint), 0.06, 2.0));
 }

@@ -133,8 +133,7 @@ std::vector<ScanFigures> read_scans(const std::filesystem::path& root) {
     }
     for (const io::KittiObject& label : frame.labels) {
       if (!io::has_box(label)) continue;
-      scan.objects.push_back(
-          figures_of(label, io::to_box(label, frame.calibration), cloud, rings));
+      scan.objects.push_back(figures_of(label, io::to_box(label, frame.calibration), cloud, rings));
     }
   }
   return scans;
@@ -148,7 +147,8 @@ Histogram points_by_distance(const ScanFigures& scan) {
     const auto at = std::upper_bound(std::begin(kDistances), std::end(kDistances), object.distance);
     const auto row = at - std::begin(kDistances) - 1;
     if (row < 0 || row >= kDistanceCount) continue;
-    const int column = std::clamp(static_cast<int>(std::log2(object.points + 1)), 0, kCountBins - 1);
+    const int column =
+        std::clamp(static_cast<int>(std::log2(object.points + 1)), 0, kCountBins - 1);
     result[static_cast<std::size_t>(row * kCountBins + column)] += 1;
   }
   return result;
@@ -209,8 +209,8 @@ std::pair<std::vector<const ScanFigures*>, std::vector<const ScanFigures*>> halv
 
 void print_divergence(const char* name, Select select, const std::vector<ScanFigures>& real,
                       const std::vector<ScanFigures>& simulated) {
-  const double apart = jensen_shannon(total(all_of(real), select),
-                                      total(all_of(simulated), select));
+  const double apart =
+      jensen_shannon(total(all_of(real), select), total(all_of(simulated), select));
   std::vector<double> band;
   for (int i = 0; i < kResamples; ++i) {
     const auto [a, b] = halves(real, static_cast<std::uint64_t>(i));
@@ -238,14 +238,16 @@ std::vector<Sample> cars(const std::vector<const ScanFigures*>& scans) {
 }
 
 /// For each of `wanted` the `count` unused samples whose distance is nearest.
-std::vector<Sample> matched(const std::vector<Sample>& wanted, std::vector<Sample> from, int count) {
+std::vector<Sample> matched(const std::vector<Sample>& wanted, std::vector<Sample> from,
+                            int count) {
   std::vector<Sample> result;
   for (int round = 0; round < count; ++round) {
     for (const Sample& one : wanted) {
       if (from.empty()) return result;
-      const auto best = std::min_element(from.begin(), from.end(), [&](const auto& a, const auto& b) {
-        return std::abs(a.distance - one.distance) < std::abs(b.distance - one.distance);
-      });
+      const auto best =
+          std::min_element(from.begin(), from.end(), [&](const auto& a, const auto& b) {
+            return std::abs(a.distance - one.distance) < std::abs(b.distance - one.distance);
+          });
       result.push_back(*best);
       from.erase(best);
     }
@@ -313,12 +315,14 @@ void print_classifier(const std::vector<ScanFigures>& real,
     const double auc = classifier_auc(cars(a), cars(b));
     if (std::isfinite(auc)) band.push_back(auc);
   }
-  std::printf("| classifier AUC, %zu real and %zu simulated cars at matched range | %.3f | "
-              "%.3f .. %.3f |\n", wanted.size(), others.size(), classifier_auc(wanted, others),
-              quantile(band, 0.05), quantile(band, 0.95));
-  const char* names[] = {"log n d^2", "length covered", "width covered", "height covered",
-                         "rings hit", "points a ring", "mean intensity", "intensity sd",
-                         "zero intensity"};
+  std::printf(
+      "| classifier AUC, %zu real and %zu simulated cars at matched range | %.3f | "
+      "%.3f .. %.3f |\n",
+      wanted.size(), others.size(), classifier_auc(wanted, others), quantile(band, 0.05),
+      quantile(band, 0.95));
+  const char* names[] = {"log n d^2",      "length covered", "width covered",
+                         "height covered", "rings hit",      "points a ring",
+                         "mean intensity", "intensity sd",   "zero intensity"};
   std::printf("\n| feature of cars | real 10/50/90 %% | simulated 10/50/90 %% |\n|---|---|---|\n");
   for (Eigen::Index j = 0; j < 9; ++j) {
     std::printf("| %s |", names[j]);
@@ -334,9 +338,8 @@ void print_classifier(const std::vector<ScanFigures>& real,
 
 void print_counts(const std::vector<ScanFigures>& real, const std::vector<ScanFigures>& simulated) {
   std::printf("\n| quantity | real 10/50/90 %% | simulated 10/50/90 %% |\n|---|---|---|\n");
-  for (const auto& [name, member] :
-       {std::pair{"points a scan", &ScanFigures::points},
-        std::pair{"points in the image", &ScanFigures::in_image}}) {
+  for (const auto& [name, member] : {std::pair{"points a scan", &ScanFigures::points},
+                                     std::pair{"points in the image", &ScanFigures::in_image}}) {
     std::printf("| %s |", name);
     for (const auto* scans : {&real, &simulated}) {
       std::vector<double> values;
@@ -389,8 +392,9 @@ LabelFigures read_labels(const std::filesystem::path& folder) {
 }
 
 void print_labels(const LabelFigures& real, const LabelFigures& simulated) {
-  std::printf("\n| class | | a frame | distance 5/50/95 %% | occlusion 0/1/2/3 | truncated | "
-              "same / opposite heading | left |\n|---|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "\n| class | | a frame | distance 5/50/95 %% | occlusion 0/1/2/3 | truncated | "
+      "same / opposite heading | left |\n|---|---|---|---|---|---|---|---|\n");
   for (const char* type : {"Car", "Van", "Truck", "Pedestrian", "Person_sitting", "Cyclist", "Tram",
                            "Misc", "DontCare"}) {
     for (const auto& [name, figures] : {std::pair{"real", &real}, {"simulated", &simulated}}) {
@@ -458,8 +462,9 @@ int main(int argc, char** argv) {
   const Select intensity = [](const ScanFigures& scan) { return scan.intensity; };
   const Select azimuth = [](const ScanFigures& scan) { return scan.azimuth; };
   std::printf("%zu real and %zu simulated scans\n\n", real.size(), simulated.size());
-  std::printf("| Jensen-Shannon divergence | real against simulated | halves of the real scans, "
-              "5..95 %% |\n|---|---|---|\n");
+  std::printf(
+      "| Jensen-Shannon divergence | real against simulated | halves of the real scans, "
+      "5..95 %% |\n|---|---|---|\n");
   print_divergence("range, 1 m bins", range, real, simulated);
   print_divergence("ring", ring, real, simulated);
   print_divergence("intensity, 0 and 20 bins", intensity, real, simulated);
@@ -475,8 +480,8 @@ int main(int argc, char** argv) {
       panel_of("Ring", "ring from the top", ring, 1, real, simulated, false),
       panel_of("Intensity", "intensity", intensity, 0.05, real, simulated, false),
       panel_of("Azimuth", "azimuth + 180, degrees", azimuth, 5, real, simulated, false)};
-  drawing::write_image(drawing::draw_figure(panels, {.title = "Real and simulated street scans",
-                                                     .columns = 2}),
-                       figures / "simulation_scans.png");
+  drawing::write_image(
+      drawing::draw_figure(panels, {.title = "Real and simulated street scans", .columns = 2}),
+      figures / "simulation_scans.png");
   return 0;
 }

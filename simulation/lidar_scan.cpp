@@ -117,10 +117,9 @@ double received(const LidarModel& model, const LidarBeam& beam, const Hit& hit, 
                 double through, const RandomStream& random) {
   const MaterialProperties& material = properties(hit.material);
   const double brightness = takes_brightness(hit.material) ? hit.brightness : 1.0;
-  const double reflectivity =
-      std::max(0.004, (material.reflectivity +
-                       0.35 * material.spread * random.normal(kReflectivity)) *
-                          brightness * gloss_gain(material.gloss, cosine) * through);
+  const double reflectivity = std::max(
+      0.004, (material.reflectivity + 0.35 * material.spread * random.normal(kReflectivity)) *
+                 brightness * gloss_gain(material.gloss, cosine) * through);
   const double range = hit.distance;
   const double signal = reflectivity * std::max(cosine, 0.01) / (range * range);
   const double kept = 1.0 / (1.0 + std::pow(model.half_signal / signal, model.signal_sharpness));
@@ -132,8 +131,9 @@ double received(const LidarModel& model, const LidarBeam& beam, const Hit& hit, 
     return -1.0;
   }
   const double gain = beam.gain * (1.0 + 0.12 * random.normal(kIntensityNoise));
-  const double intensity = std::max(
-      0.0, reflectivity * gain * incidence_gain(cosine) * range_gain(range) - intensity_floor(range));
+  const double intensity =
+      std::max(0.0, reflectivity * gain * incidence_gain(cosine) * range_gain(range) -
+                        intensity_floor(range));
   return random.uniform(kZero) < zero_chance(intensity) ? 0.0 : intensity;
 }
 

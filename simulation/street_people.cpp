@@ -23,7 +23,9 @@ double draw_across(const Road& road, const RoadSide& side, Dice& dice) {
   const double inner = side.curb_line() + .3, outer = std::max(inner + .5, side.property_line());
   const bool open = road.district == District::kCampus || road.district == District::kInnerCity;
   if (dice.chance(open ? .30 : .12)) return side.sign * dice.uniform(1.0, inner);
-  return side.sign * dice.uniform(inner, open ? outer + 2.0 : outer);
+  return side.sign *
+         dice.uniform(
+             inner, open ? std::min(outer + 2.0, std::max(outer, side.facade_line() - .5)) : outer);
 }
 
 void add_walkers(StreetBuilder& builder, double expected) {

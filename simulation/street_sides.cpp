@@ -39,7 +39,7 @@ void add_houses(StreetBuilder& builder, const RoadSide& side) {
       const double front = side.facade_line() + (town ? 0.0 : dice.uniform(0, 3));
       const double t = front + .5 * model(kind, 0).size.y();
       builder.add_thing(kind, {.s = middle, .t = side.sign * t, .turn = facing(side)},
-                        {stretch, 1.0, dice.uniform(.9, 1.1)}, false, .8);
+                        {stretch, 1.0, dice.uniform(.9, 1.1)}, true, .8);
     }
     s += length + gap;
   }
@@ -50,7 +50,10 @@ enum class Border { kHedge, kWall, kPickets, kMesh, kBushes, kOpen };
 Border draw_border(District district, Dice& dice) {
   const double draw = dice.uniform(0, 1);
   if (district == District::kInnerCity) {
-    return draw < .25 ? Border::kWall : draw < .55 ? Border::kHedge : draw < .7 ? Border::kBushes : Border::kOpen;
+    return draw < .25   ? Border::kWall
+           : draw < .55 ? Border::kHedge
+           : draw < .7  ? Border::kBushes
+                        : Border::kOpen;
   }
   if (district == District::kResidential) {
     return draw < .36   ? Border::kHedge

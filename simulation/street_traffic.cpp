@@ -103,6 +103,7 @@ void park_in_drives(StreetBuilder& builder, const RoadSide& side, double factor)
   for (double s = -kFar; s < kFar; s += 11.0) {
     if (!dice.chance(std::min(1.0, chance)) || road.crossing(s, side.sign > 0, 3.0)) continue;
     const double t = side.property_line() + dice.uniform(2.4, 12.0);
+    if (t > side.facade_line() - 2.4) continue;
     const double turn = dice.chance(.75) ? (dice.chance(.5) ? .5 : -.5) * kPi + dice.normal(0, .12)
                                          : dice.uniform(-kPi, kPi);
     builder.add_vehicle(draw_parked(dice),
@@ -137,9 +138,11 @@ void add_tram(StreetBuilder& builder) {
   const bool in_town = road.district == District::kInnerCity || road.district == District::kCampus;
   if (!dice.chance(in_town ? .24 : .03)) return;
   const RoadSide& side = dice.chance(.7) ? road.left : road.right;
-  const double t = side.sign > 0 && road.lanes_opposite > 0 && dice.chance(.5)
-                       ? road.lane_width
-                       : side.sign * (side.property_line() + 1.8);
+  const double track = side.property_line() + 1.8;
+  const bool own_track = track < side.facade_line() - 2.0;
+  const double t = own_track                 ? side.sign * track
+                   : road.lanes_opposite > 0 ? road.lane_width
+                                             : side.sign * (side.edge + 1.5);
   builder.add_vehicle("Tram",
                       {.s = dice.uniform(-60, 75), .t = t, .turn = dice.chance(.5) ? 0.0 : kPi},
                       dice.chance(.4) ? 0.0 : 8.0);
@@ -151,7 +154,8 @@ void add_traffic(StreetBuilder& builder, const StreetOptions& options) {
   Dice& dice = builder.dice();
   add_tram(builder);
   for (const RoadSide* side : {&builder.road().left, &builder.road().right}) {
-    const double share = std::min(1.0, options.parked * std::pow(dice.uniform(.05, .95), side->sign > 0 ? 1.6 : 2.2));
+    const double share = std::min(
+        1.0, options.parked * std::pow(dice.uniform(.05, .95), side->sign > 0 ? 1.6 : 2.2));
     if (side->parking != Parking::kNone) park_along(builder, *side, share);
     park_in_drives(builder, *side, options.parked);
   }

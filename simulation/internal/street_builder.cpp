@@ -124,7 +124,9 @@ bool StreetBuilder::add_thing(ModelKind kind, const Spot& spot, const Eigen::Vec
   const Eigen::Vector3d size = shape.size.cwiseProduct(scale);
   const Eigen::Vector2d place = road_.position(spot.s, spot.t);
   const double yaw = road_.heading(spot.s) + spot.turn;
-  const double reach = kind == ModelKind::kBroadTree ? 0.15 : 0.5;
+  const double reach = kind == ModelKind::kBroadTree ? 0.15
+                       : kind >= ModelKind::kHouse   ? 0.46
+                                                     : 0.5;
   if (needs_room && !claim({.center = place, .half = reach * size.head<2>(), .yaw = yaw}, 0.05)) {
     return false;
   }

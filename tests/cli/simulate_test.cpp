@@ -61,8 +61,10 @@ TEST(SimulateStreet, ConfigurationFilesCountAndFlagsWinOverThem) {
   const fs::path config = folder.write("options.yaml", "lidar: spinning16\nstreet:\n  people: 0\n");
   ASSERT_EQ(simulate(folder / "out", {"--scenes", "1", "--config", config.string()}).exit_code, 0);
   EXPECT_THAT(slurp(folder / "out/simulation.yaml"), HasSubstr("lidar: spinning16"));
-  ASSERT_EQ(simulate(folder / "flags", {"--scenes", "1", "--config", config.string(), "--lidar",
-                                        "spinning32"}).exit_code, 0);
+  ASSERT_EQ(simulate(folder / "flags",
+                     {"--scenes", "1", "--config", config.string(), "--lidar", "spinning32"})
+                .exit_code,
+            0);
   EXPECT_THAT(slurp(folder / "flags/simulation.yaml"), HasSubstr("lidar: spinning32"));
 }
 

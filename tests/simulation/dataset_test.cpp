@@ -84,8 +84,7 @@ TEST_F(StreetDataset, TheLoaderReadsEverythingBack) {
     for (std::size_t k = 0; k < boxes.size(); ++k) {
       EXPECT_LT((read[k].box.center - boxes[k].center).norm(), 0.02);
     }
-    const auto around =
-        io::read_kitti_labels(root_ / "training/label_360" / (frame.id + ".txt"));
+    const auto around = io::read_kitti_labels(root_ / "training/label_360" / (frame.id + ".txt"));
     EXPECT_EQ(around.size() + boxes.size(), scan.scene.objects.size());
   }
   EXPECT_GT(labels, 0u);

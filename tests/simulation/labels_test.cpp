@@ -32,9 +32,8 @@ TEST(Labels, ReturnsOfAnObjectLieInItsBox) {
   for (std::uint64_t index = 0; index < 6; ++index) {
     const Scene scene = resting_street(index);
     const LidarModel model = hdl64();
-    for (const LidarReturn& point :
-         scan(scene, RayTracer(scene, model.duration), model,
-              {.motion_compensated = false, .ideal = true})) {
+    for (const LidarReturn& point : scan(scene, RayTracer(scene, model.duration), model,
+                                         {.motion_compensated = false, .ideal = true})) {
       if (point.object < 0) continue;
       const SceneObject& object = scene.objects[point.object];
       const Eigen::Vector3d out = beyond(object.box, point);
@@ -74,7 +73,8 @@ Scene two_cars(double second_y, ModelKind first = ModelKind::kHatchback) {
     instance.pose.translate(center);
     instance.object = static_cast<std::int32_t>(scene.objects.size());
     scene.instances.push_back(instance);
-    scene.objects.push_back({.label = "Car", .box = geometry::make_yaw_box(center, shape.size, 0.0),
+    scene.objects.push_back({.label = "Car",
+                             .box = geometry::make_yaw_box(center, shape.size, 0.0),
                              .velocity = Eigen::Vector3d::Zero()});
   }
   return scene;

@@ -25,4 +25,7 @@ void add_view(CLI::App& app);
 /// Adds `kitti` to the command `info`.
 void add_info_kitti(CLI::App& info);
 
+/// Adds `fit-bins` to the command `config`.
+void add_fit_bins(CLI::App& config);
+
 }  // namespace arbox::cli

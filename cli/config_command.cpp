@@ -125,6 +125,7 @@ void add_config(CLI::App& app) {
   add_list(*config, flags);
   add_show(*config, flags);
   add_check(*config, flags);
+  add_fit_bins(*config);
   add_examples(*config,
                {{"arbox config list", "What can be configured"},
                 {"arbox config show detector/cluster_fit", "Its keys, defaults and help"}});

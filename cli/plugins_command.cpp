@@ -29,7 +29,7 @@ Json to_json(const PluginDescription& plugin) {
 
 Json inspect(const std::filesystem::path& file) {
   try {
-    return to_json(inspect_plugin(file, program_registry()));
+    return to_json(inspect_plugin(file, full_program_registry()));
   } catch (const PluginError& error) {
     return {{"file", file.string()}, {"error", error.what()}};
   }
@@ -55,7 +55,7 @@ void print_table(const Json& built_in, const Json& plugins) {
 void list(const PluginFlags& flags) {
   Json built_in = Json::array();
   Json plugins = Json::array();
-  for (const RegistryEntry& entry : program_registry().entries()) {
+  for (const RegistryEntry& entry : full_program_registry().entries()) {
     if (entry.origin == "built in") {
       built_in.push_back({{"kind", entry.kind}, {"name", entry.name}, {"help", entry.help}});
     } else {
@@ -73,8 +73,14 @@ void list(const PluginFlags& flags) {
   std::cout << '\n';
 }
 
+/// Heads need LibTorch; other kinds are loaded without it.
+Registry& registry_for(const std::filesystem::path& file) {
+  const bool head = file.filename().string().starts_with("libarbox_head_");
+  return head ? full_program_registry() : program_registry();
+}
+
 void check(const PluginFlags& flags) {
-  const PluginDescription plugin = load_plugin(flags.file, program_registry());
+  const PluginDescription plugin = load_plugin(flags.file, full_program_registry());
   if (flags.json) {
     std::cout << to_json(plugin).dump(2) << '\n';
   } else {
@@ -89,7 +95,7 @@ void add_plugins(CLI::App& app) {
   app.add_option_function<std::vector<std::string>>(
          "--plugin",
          [](const std::vector<std::string>& files) {
-           for (const std::string& file : files) load_plugin(file, program_registry());
+           for (const std::string& file : files) load_plugin(file, registry_for(file));
          },
          "Load this plugin first; may be given several times")
       ->type_name("FILE")

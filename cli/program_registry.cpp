@@ -1,5 +1,6 @@
 #include "arbox/cli/program_registry.h"
 
+#include "arbox/cli/torch_module.h"
 #include "arbox/detectors/cluster_fit/cluster_fit.h"
 #include "arbox/detectors/detector_kind.h"
 
@@ -17,6 +18,17 @@ Registry make_registry() {
 
 Registry& program_registry() {
   static Registry registry = make_registry();
+  return registry;
+}
+
+Registry& full_program_registry() {
+  Registry& registry = program_registry();
+  static const bool added = [&] {
+    if (!has_torch_module()) return false;
+    torch_module().register_built_ins(registry);
+    return true;
+  }();
+  static_cast<void>(added);
   return registry;
 }
 

@@ -1,7 +1,6 @@
 #include "arbox/heads/autoregressive_head.h"
 
 #include <ATen/TensorOperators.h>
-#include <ATen/ops/arange.h>
 #include <ATen/ops/log_softmax.h>
 #include <ATen/ops/softmax.h>
 #include <ATen/ops/stack.h>
@@ -74,9 +73,8 @@ Tensor AutoregressiveHead::likelihood_loss(const HeadInput& input, const Tensor&
 
 Tensor AutoregressiveHead::iou_loss(const HeadInput& input, const Tensor& boxes) const {
   const Tensor inputs = input.joined();
-  const Tensor ids = at::arange(input.count(), at::kLong);
   const Tensor prefix = distribution(input)
-                            ->sample(options_.iou_samples, {input.seed, ids}, 1.0)
+                            ->sample(options_.iou_samples, input.streams(), 1.0)
                             .components.to(inputs.scalar_type());
   const auto components = context_.codec->components();
   std::vector<Tensor> expected;
@@ -96,10 +94,8 @@ HeadLoss AutoregressiveHead::loss(const HeadInput& input, const Tensor& target_b
   HeadLoss result;
   const Tensor likelihood = likelihood_loss(input, target_boxes);
   result.terms["likelihood"] = likelihood;
-  const auto size = static_cast<double>(context_.codec->components().size());
-  result.per_object =
-      likelihood * (options_.reduction == Reduction::kMean ? options_.likelihood_weight / size
-                                                           : options_.likelihood_weight);
+  result.per_object = likelihood * likelihood_scale(options_.reduction, options_.likelihood_weight,
+                                                    context_.codec->components().size());
   if (options_.iou_weight > 0) {
     const Tensor iou = iou_loss(input, target_boxes);
     result.terms["iou"] = iou;

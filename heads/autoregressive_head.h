@@ -8,13 +8,11 @@
 #include "arbox/heads/autoregressive_distribution.h"
 #include "arbox/heads/box_head.h"
 #include "arbox/heads/quantizer.h"
+#include "arbox/heads/supervision.h"
 
 namespace arbox::heads {
 
 class MultilayerPerceptron;
-
-/// How the likelihoods of the D components become one loss.
-enum class Reduction { kSum, kMean };
 
 struct AutoregressiveOptions {
   std::vector<std::int64_t> hidden = {128, 256, 512};

@@ -28,6 +28,9 @@ struct ComponentSet {
   at::Tensor mask;    ///< (N, M) bool; at least one true in every row.
 };
 
+/// Decoded sizes are held at or above this, metres: the lowest bin of a size may mean none.
+inline constexpr double kLeastDecodedSize = 1e-4;
+
 /// Boxes to and from vectors of D components relative to references. Stateless and differentiable
 /// in its tensors. It owns the autoregressive order, the ranges, the bins and the set of equivalent
 /// vectors; values are never clamped here, only when they are quantised.
@@ -41,14 +44,16 @@ class BoxCodec {
   /// boxes (N, 10) -> (N, D), the canonical vector of each box.
   virtual at::Tensor encode(const at::Tensor& boxes, const References& references) const = 0;
 
-  /// components (N, K, D) -> (N, K, 10); row n of the references serves its K vectors.
+  /// components (N, K, D) -> (N, K, 10); row n of the references serves its K vectors. Sizes are at
+  /// least kLeastDecodedSize.
   virtual at::Tensor decode(const at::Tensor& components, const References& references) const = 0;
 
   /// boxes (N, 10) -> every vector that training supervises.
   virtual ComponentSet equivalents(const at::Tensor& boxes, const References& references) const = 0;
 
-  /// Indices of the three components that fix the size (length, width, height). Conditioning on a
-  /// known size needs them to come first; other orders are refused there with that reason.
+  /// Indices of the components that fix the size (length, width, height; all three but in codecs of
+  /// objects that share some). Conditioning on a known size needs them to come first; other orders
+  /// are refused there with that reason.
   virtual std::vector<int> size_components() const = 0;
 
   /// Whether decoded boxes turn about z alone, given references that do.

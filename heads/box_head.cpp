@@ -1,6 +1,7 @@
 #include "arbox/heads/box_head.h"
 
 #include <ATen/TensorOperators.h>
+#include <ATen/ops/arange.h>
 #include <ATen/ops/cat.h>
 #include <ATen/ops/isfinite.h>
 
@@ -42,7 +43,12 @@ BoxHead::~BoxHead() = default;
 
 HeadInput HeadInput::select(const at::Tensor& index) const {
   return {features.index_select(0, index), references.select(index),
-          condition.defined() ? condition.index_select(0, index) : condition, seed};
+          condition.defined() ? condition.index_select(0, index) : condition, seed,
+          streams().object_ids.index_select(0, index)};
+}
+
+Streams HeadInput::streams() const {
+  return {seed, object_ids.defined() ? object_ids : at::arange(count(), at::kLong)};
 }
 
 at::Tensor HeadInput::joined() const {

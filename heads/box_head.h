@@ -29,9 +29,14 @@ struct HeadInput {
   at::Tensor condition;  ///< (N, E): a pointwise prediction and the like, or undefined.
   /// Random numbers of losses that draw samples: a training loop passes its step.
   std::uint64_t seed = 0;
+  /// (N) int64, names of the objects for random numbers; their rows if undefined.
+  at::Tensor object_ids = {};
 
   std::int64_t count() const { return features.defined() ? features.size(0) : 0; }
   HeadInput select(const at::Tensor& index) const;
+
+  /// The random numbers of the objects.
+  Streams streams() const;
 
   /// (N, C + E): features and condition side by side.
   at::Tensor joined() const;

@@ -1,8 +1,10 @@
 #include "arbox/heads/quartile_codec.h"
 
 #include <ATen/TensorOperators.h>
+#include <ATen/ops/arange.h>
 #include <ATen/ops/argmax.h>
 #include <ATen/ops/cat.h>
+#include <ATen/ops/clamp.h>
 #include <ATen/ops/empty.h>
 #include <ATen/ops/gather.h>
 #include <ATen/ops/ones.h>
@@ -67,11 +69,13 @@ const FrameTable& frame_table() {
 Tensor canonical_signs(const Tensor& rotations) {
   const Tensor w = rotations.select(-1, 0), x = rotations.select(-1, 1),
                y = rotations.select(-1, 2), z = rotations.select(-1, 3);
-  const Tensor first = (x * y + w * z) > 0;   // R[1][0]
-  const Tensor second = (y * z + w * x) > 0;  // R[2][1]
+  // Rounding must not choose where an axis lies in the plane (boxes that stand upright).
+  constexpr double kTie = 1e-6;
+  const Tensor first = (x * y + w * z) > kTie;   // R[1][0] / 2
+  const Tensor second = (y * z + w * x) > kTie;  // R[2][1] / 2
   const Tensor score =
       (2 * first.to(at::kLong) + second.to(at::kLong)).view({rotations.size(0), kOrders, kSigns});
-  const Tensor best = at::argmax(score, -1);
+  const Tensor best = at::argmax(kSigns * score - at::arange(kSigns, at::kLong), -1);
   Tensor start = at::empty({kOrders}, at::kLong);
   for (std::int64_t i = 0; i < kOrders; ++i) start.data_ptr<std::int64_t>()[i] = i * kSigns;
   return best + start;
@@ -145,7 +149,7 @@ Tensor QuartileCodec::decode(const Tensor& components, const References& referen
   const Tensor center =
       references.origin.unsqueeze(1) + internal::rotate(turn, components.slice(-1, 3, 6) * scale);
   return at::cat(
-      {center, components.slice(-1, 0, 3) * scale,
+      {center, at::clamp(components.slice(-1, 0, 3) * scale, kLeastDecodedSize),
        internal::quaternion_product(turn, internal::zyz_quaternion(components.slice(-1, 6, 9)))},
       -1);
 }

@@ -84,7 +84,8 @@ Tensor YawCodec::decode(const Tensor& components, const References& references) 
   const Tensor turn = references.rotation.unsqueeze(1);
   const Tensor local = decode_center(components.slice(-1, center_at, center_at + 3), references);
   const Tensor center = references.origin.unsqueeze(1) + internal::rotate(turn, local);
-  const Tensor size = decode_size(components.slice(-1, size_at, size_at + 3), references);
+  const Tensor size = at::clamp(decode_size(components.slice(-1, size_at, size_at + 3), references),
+                                kLeastDecodedSize);
   Tensor yaw = internal::yaw_of(references.rotation).unsqueeze(1);
   yaw = with_yaw_ ? yaw + components.select(-1, 6) : yaw.expand(components.sizes().slice(0, 2));
   return at::cat({center, size, internal::yaw_quaternion(yaw)}, -1);

@@ -4,9 +4,7 @@
 #include <ATen/ops/arange.h>
 #include <ATen/ops/atan2.h>
 #include <ATen/ops/cos.h>
-#include <ATen/ops/full.h>
 #include <ATen/ops/logsumexp.h>
-#include <ATen/ops/maximum.h>
 #include <ATen/ops/sin.h>
 #include <ATen/ops/stack.h>
 #include <ATen/ops/tensor.h>
@@ -23,7 +21,6 @@ namespace {
 using at::Tensor;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kLeastSize = 1e-3;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double period(const Component& component) { return component.high - component.low; }
@@ -118,19 +115,6 @@ Tensor masked_log_sum(const Tensor& values, const Tensor& mask) {
 Tensor size_values(const Tensor& sizes, const BoxCodec& codec, const References& references) {
   return codec.encode_sizes(sizes.to(references.size.scalar_type()).unsqueeze(1), references)
       .select(1, 0);
-}
-
-Tensor with_positive_sizes(const Tensor& values, const BoxCodec& codec,
-                           const References& references) {
-  const Tensor least =
-      size_values(at::full({values.size(0), 3}, kLeastSize, at::kDouble), codec, references);
-  std::vector<Tensor> columns = values.unbind(-1);
-  std::int64_t axis = 0;
-  for (const int i : codec.size_components()) {
-    Tensor& column = columns[static_cast<std::size_t>(i)];
-    column = at::maximum(column, least.select(1, axis++).unsqueeze(1));
-  }
-  return at::stack(columns, -1);
 }
 
 Tensor with_sizes(const Tensor& values, const BoxCodec& codec, const Tensor& sizes) {

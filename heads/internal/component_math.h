@@ -44,10 +44,6 @@ at::Tensor masked_least(const at::Tensor& values, const at::Tensor& mask);
 /// (N): log of the sum of the exponentials of the masked values; -infinity without any.
 at::Tensor masked_log_sum(const at::Tensor& values, const at::Tensor& mask);
 
-/// values (N, K, D) with the size components held at or above those of a cube of 1 mm.
-at::Tensor with_positive_sizes(const at::Tensor& values, const BoxCodec& codec,
-                               const References& references);
-
 /// values (N, K, D) with the size components replaced by `sizes` (N, 3) component values.
 at::Tensor with_sizes(const at::Tensor& values, const BoxCodec& codec, const at::Tensor& sizes);
 

@@ -8,6 +8,7 @@
 #include <ATen/ops/hypot.h>
 #include <ATen/ops/sin.h>
 #include <ATen/ops/stack.h>
+#include <ATen/ops/where.h>
 #include <ATen/ops/zeros_like.h>
 
 #include <numbers>
@@ -64,12 +65,18 @@ Tensor zyz_quaternion(const Tensor& angles) {
 
 Tensor zyz_of(const Tensor& q) {
   const Tensor w = q.select(-1, 0), x = q.select(-1, 1), y = q.select(-1, 2), z = q.select(-1, 3);
-  const Tensor sum = at::atan2(z, w), difference = at::atan2(-x, y);
+  // Where beta is 0 or pi only one of the two angles is defined: gamma is 0 then, as in geometry.
+  constexpr double kTie = 1e-6;
+  const Tensor sine = at::hypot(x, y), cosine = at::hypot(w, z);
+  const Tensor flat = sine < kTie, over = cosine < kTie;
+  const Tensor given_sum = at::atan2(z.masked_fill(over, 0.0), w.masked_fill(over, 1.0));
+  const Tensor given_difference = at::atan2(-x.masked_fill(flat, 0.0), y.masked_fill(flat, 1.0));
+  const Tensor sum = at::where(over, given_difference, given_sum);
+  const Tensor difference = at::where(flat, given_sum, given_difference);
   constexpr double turn = 2.0 * std::numbers::pi;
-  return at::stack(
-      {wrap(sum + difference, 0.0, turn), 2 * at::atan2(at::hypot(x, y), at::hypot(w, z)),
-       wrap(sum - difference, 0.0, turn)},
-      -1);
+  return at::stack({wrap(sum + difference, 0.0, turn), 2 * at::atan2(sine, cosine),
+                    wrap(sum - difference, 0.0, turn)},
+                   -1);
 }
 
 }  // namespace arbox::heads::internal

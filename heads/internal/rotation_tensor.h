@@ -18,7 +18,7 @@ at::Tensor yaw_of(const at::Tensor& q);
 at::Tensor wrap(const at::Tensor& angle, double low, double period);
 /// R = Rz(alpha) Ry(beta) Rz(gamma): angles (..., 3) -> quaternions (..., 4).
 at::Tensor zyz_quaternion(const at::Tensor& angles);
-/// The inverse: alpha and gamma in [0, 2 pi), beta in [0, pi].
+/// The inverse: alpha and gamma in [0, 2 pi), beta in [0, pi]; gamma is 0 where beta is 0 or pi.
 at::Tensor zyz_of(const at::Tensor& q);
 
 }  // namespace arbox::heads::internal

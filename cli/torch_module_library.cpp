@@ -1,0 +1,39 @@
+#include "arbox/base/options.h"
+#include "arbox/cli/torch_module.h"
+#include "arbox/heads/fit_ranges.h"
+#include "arbox/heads/head_kind.h"
+
+namespace arbox::heads {
+void register_heads(Registrar& registrar);  // head_registry.h, without LibTorch's headers
+}
+
+namespace arbox::cli {
+namespace {
+
+void register_built_ins(Registry& registry) {
+  heads::declare_heads(registry);
+  registry.add_built_in(heads::register_heads);
+}
+
+FitBinsResult fit_bins(const FitBinsRequest& request) {
+  const auto codec = override_options(heads::CodecOptions(), request.codec);
+  const heads::References references =
+      heads::simulated_references(request.boxes, codec.kind, request.draws, request.seed);
+  std::vector<geometry::Box> boxes;
+  for (int draw = 0; draw < request.draws; ++draw) {
+    boxes.insert(boxes.end(), request.boxes.begin(), request.boxes.end());
+  }
+  const heads::RangeFit fit = heads::fit_ranges(boxes, references, codec);
+  return {options_yaml(fit.codec), fit.mean_iou, fit.overflow, fit.reached};
+}
+
+}  // namespace
+}  // namespace arbox::cli
+
+extern "C" __attribute__((visibility("default"))) const arbox::cli::TorchModule*
+arbox_torch_module() {
+  using namespace arbox;
+  static const cli::TorchModule module = {&cli::register_built_ins,
+                                          &make_options<heads::CodecOptions>, &cli::fit_bins};
+  return &module;
+}

@@ -108,7 +108,7 @@ TEST(EvaluateKitti, WrongUsageIsToldInOneLine) {
 
 TEST(EvaluateKitti, BadFilesAreNamed) {
   const KittiFolders folders;
-  expect_one_line_error(folders.run({"--plot", "picture.svg"}), 1, {"picture.svg"});
+  expect_one_line_error(folders.run({"--plot", "picture.svg"}), 2, {"picture.svg"});
   expect_one_line_error(folders.run({"--split", "no_such_split"}), 1, {"no_such_split"});
   folders.root.write("labels/100007.txt", "Car 0 0 nan 1 2 3 4 1 1 1 0 0 0 0\n");
   expect_one_line_error(folders.run({}), 1, {"100007.txt:1"});

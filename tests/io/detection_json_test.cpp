@@ -197,7 +197,7 @@ TEST(DetectionJson, BadBoxesAreRefusedWithTheirField) {
     expect_refusal([&] { parse_box_json(text, "t"); }, parts);
   };
   refused("", {"t", "one box", "0 values"});
-  refused(R"({"center":[1,2],"size":[4,5,6],"yaw":0})", {"t/center", "three", "array of 2"});
+  refused(R"({"center":[1,2],"size":[4,5,6],"yaw":0})", {"t/center", "three", "[1,2]"});
   refused(R"({"center":[1,2,"3"],"size":[4,5,6],"yaw":0})", {"t/center/2", "number", "'3'"});
   refused(R"({"center":[1,2,null],"size":[4,5,6],"yaw":0})", {"t/center/2", "number", "null"});
   refused(R"({"center":[1,2,3],"size":[4,0,6],"yaw":0})", {"t/size", "above zero"});

@@ -8,8 +8,8 @@ namespace arbox::cli {
 /// or require_plugin (base/plugin_loader.h) have brought.
 Registry& program_registry();
 
-/// program_registry() with what needs LibTorch, if this installation has it: takes 0.2 to 0.3 s the
-/// first time.
+/// program_registry() with what needs LibTorch, if this installation has it: takes about half a
+/// second the first time.
 Registry& full_program_registry();
 
 }  // namespace arbox::cli

@@ -34,7 +34,7 @@ struct FitBinsResult {
 struct TorchModule {
   /// Declares the kinds that pass tensors and adds what is built in of them.
   void (*register_built_ins)(Registry& registry);
-  /// The options structs that belong to no entry of the registry: name, help, maker.
+  /// Makes heads::CodecOptions.
   OptionsMaker codec_options;
   FitBinsResult (*fit_bins)(const FitBinsRequest& request);
 };

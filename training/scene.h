@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arbox/geometry/box.h"
+#include "arbox/geometry/point_cloud_view.h"
+#include "arbox/io/kitti_object.h"
+
+namespace arbox::training {
+
+/// An object that a network shall find.
+struct SceneObject {
+  geometry::Box box;
+  /// Index into the class names of the network.
+  int label = 0;
+  /// 0 easy, 1 moderate, 2 hard, -1 harder than hard (io/kitti_object.h).
+  int difficulty = 0;
+};
+
+/// A scan with its objects. LiDAR frame, metres.
+struct Scene {
+  /// Columns x, y, z, intensity in 0..1.
+  geometry::PointCloud cloud;
+  std::vector<SceneObject> objects;
+  /// The road, where objects may be placed; absent if not known.
+  std::optional<io::KittiPlane> ground;
+  /// File or seed that the scene is from, for messages.
+  std::string source;
+};
+
+/// Scenes by number. Thread-safe, and a scene depends on its number alone, so that runs can be
+/// repeated and resumed.
+class SceneSource {
+ public:
+  virtual ~SceneSource() = default;
+  /// Scenes of an epoch.
+  virtual std::int64_t size() const = 0;
+  /// Scene number `index`, 0 to size() - 1. Throws IoError and FormatError, naming the file.
+  virtual Scene scene(std::int64_t index) const = 0;
+};
+
+}  // namespace arbox::training

@@ -7,6 +7,7 @@
 #include "arbox/base/error.h"
 #include "arbox/io/file.h"
 #include "arbox/io/internal/load_number.h"
+#include "arbox/io/internal/npy_description.h"
 
 namespace arbox::io {
 namespace {
@@ -36,49 +37,21 @@ To converted(From from, std::size_t index) {
   }
 }
 
-// Position in the file of every number in C order, for an array in Fortran order.
-class FortranOrder {
- public:
-  explicit FortranOrder(const std::vector<std::size_t>& shape)
-      : shape_(shape), index_(shape.size()), stride_(shape.size()) {
-    std::size_t stride = 1;
-    for (std::size_t axis = 0; axis < shape.size(); ++axis) {
-      stride_[axis] = stride;
-      stride *= shape[axis];
-    }
-  }
-
-  std::size_t position() const { return position_; }
-
-  void advance() {
-    for (std::size_t axis = shape_.size(); axis-- > 0;) {
-      position_ += stride_[axis];
-      if (++index_[axis] < shape_[axis]) return;
-      position_ -= stride_[axis] * shape_[axis];
-      index_[axis] = 0;
-    }
-  }
-
- private:
-  const std::vector<std::size_t>& shape_;
-  std::vector<std::size_t> index_, stride_;
-  std::size_t position_ = 0;
-};
-
 template <class T>
-constexpr std::string_view kDescription = "";
-template <>
-constexpr std::string_view kDescription<float> = "<f4";
-template <>
-constexpr std::string_view kDescription<double> = "<f8";
-template <>
-constexpr std::string_view kDescription<std::int32_t> = "<i4";
-template <>
-constexpr std::string_view kDescription<std::int64_t> = "<i8";
-template <>
-constexpr std::string_view kDescription<std::uint8_t> = "|u1";
-template <>
-constexpr std::string_view kDescription<std::uint32_t> = "<u4";
+constexpr NumberType number_type_of() {
+  if constexpr (std::is_same_v<T, float>) return NumberType::kFloat32;
+  if constexpr (std::is_same_v<T, double>) return NumberType::kFloat64;
+  if constexpr (std::is_same_v<T, std::int32_t>) return NumberType::kInt32;
+  if constexpr (std::is_same_v<T, std::int64_t>) return NumberType::kInt64;
+  if constexpr (std::is_same_v<T, std::uint32_t>) return NumberType::kUint32;
+  return NumberType::kUint8;
+}
+
+std::string_view description(NumberType type) {
+  constexpr std::string_view kWords[] = {"|b1", "|i1", "|u1", "<i2", "<u2", "<i4",
+                                         "<u4", "<i8", "<u8", "<f2", "<f4", "<f8"};
+  return kWords[static_cast<int>(type)];
+}
 
 }  // namespace
 
@@ -88,7 +61,7 @@ std::vector<T> NpyArray::values() const {
   std::vector<T> result(size());
   internal::with_type(header_.type, [&](auto stored) {
     using Stored = decltype(stored);
-    FortranOrder order(header_.shape);
+    internal::FortranOrder order(header_.shape);
     for (std::size_t i = 0; i < result.size(); ++i) {
       const std::size_t at = header_.fortran_order ? order.position() : i;
       const auto number =
@@ -110,15 +83,16 @@ NpyArray read_npy(const std::filesystem::path& path) {
   return parse_npy(read_file(path), path.string());
 }
 
-template <class T>
-std::string encode_npy(std::span<const T> values, const std::vector<std::size_t>& shape) {
+std::string encode_npy(NumberType type, const std::vector<std::size_t>& shape,
+                       std::string_view data) {
   const std::size_t count = NpyHeader{.shape = shape}.count();
-  if (count != values.size()) {
-    throw InvalidArgument("encode_npy: the shape holds " + std::to_string(count) +
-                          " numbers, got " + std::to_string(values.size()));
+  if (data.size() % size_of(type) != 0 || count != data.size() / size_of(type)) {
+    throw InvalidArgument("encode_npy: the shape holds " + std::to_string(count) + " numbers of " +
+                          std::string(name_of(type)) + ", got " + std::to_string(data.size()) +
+                          " bytes");
   }
-  std::string text =
-      "{'descr': '" + std::string(kDescription<T>) + "', 'fortran_order': False, 'shape': (";
+  std::string text = "{'descr': '" + std::string(description(type)) +
+                     "', 'fortran_order': False, 'shape': (";
   for (const std::size_t size : shape) text += std::to_string(size) + ", ";
   text += "), }";
   constexpr std::size_t kPrefix = 10, kAlignment = 64;
@@ -127,8 +101,13 @@ std::string encode_npy(std::span<const T> values, const std::vector<std::size_t>
   std::string bytes = "\x93NUMPY";
   bytes += {'\1', '\0', static_cast<char>(text.size() & 255), static_cast<char>(text.size() >> 8)};
   bytes += text;
-  bytes.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-  return bytes;
+  return bytes.append(data);
+}
+
+template <class T>
+std::string encode_npy(std::span<const T> values, const std::vector<std::size_t>& shape) {
+  return encode_npy(number_type_of<T>(), shape,
+                    {reinterpret_cast<const char*>(values.data()), values.size_bytes()});
 }
 
 template <class T>

@@ -73,6 +73,11 @@ NpyArray read_npy(const std::filesystem::path& path);
 template <class T>
 std::string encode_npy(std::span<const T> values, const std::vector<std::size_t>& shape);
 
+/// The bytes of a .npy file of numbers that are already stored as such a file has them. Throws
+/// InvalidArgument if `data` has another length than the shape asks for.
+std::string encode_npy(NumberType type, const std::vector<std::size_t>& shape,
+                       std::string_view data);
+
 /// Writes encode_npy(values, shape). Throws IoError, InvalidArgument.
 template <class T>
 void write_npy(const std::filesystem::path& path, std::span<const T> values,

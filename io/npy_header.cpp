@@ -2,6 +2,7 @@
 #include <limits>
 #include <optional>
 
+#include "arbox/io/internal/npy_description.h"
 #include "arbox/io/internal/parse.h"
 #include "arbox/io/internal/text.h"
 #include "arbox/io/npy.h"
@@ -10,6 +11,7 @@ namespace arbox::io {
 namespace {
 
 using internal::fail;
+using internal::NpyDescription;
 using internal::quoted_text;
 
 constexpr std::string_view kMagic = "\x93NUMPY";
@@ -19,7 +21,7 @@ class HeaderText {
  public:
   HeaderText(std::string_view text, const std::string& name) : text_(text), name_(name) {}
 
-  void parse(NpyHeader& header) {
+  void parse(NpyDescription& header) {
     bool descr = false, order = false, shape = false;
     expect('{');
     while (!take('}')) {
@@ -98,40 +100,16 @@ class HeaderText {
     return value == "True";
   }
 
-  void parse_type(NpyHeader& header) {
+  void parse_type(NpyDescription& header) {
     skip_blanks();
     if (at_ < text_.size() && text_[at_] == '[') {
-      refuse("structured arrays are not read; expected one plain number type, got " +
+      refuse("structured arrays are not read; expected one plain type, got " +
              quoted_text(text_.substr(at_)));
     }
-    const std::string_view descr = string();
-    const auto type = number_type(descr);
-    if (!type) {
-      refuse("expected a bool, integer or float type such as '<f4', got " + quoted_text(descr));
-    }
-    header.type = *type;
-    header.big_endian = descr.front() == '>' && size_of(*type) > 1;
+    header.type = string();
   }
 
-  static std::optional<NumberType> number_type(std::string_view descr) {
-    if (descr.size() != 3 || std::string_view("<>|=").find(descr[0]) == std::string_view::npos) {
-      return std::nullopt;
-    }
-    const std::string_view kind = descr.substr(1);
-    constexpr std::pair<std::string_view, NumberType> kTypes[] = {
-        {"b1", NumberType::kBool},    {"?1", NumberType::kBool},    {"i1", NumberType::kInt8},
-        {"u1", NumberType::kUint8},   {"i2", NumberType::kInt16},   {"u2", NumberType::kUint16},
-        {"i4", NumberType::kInt32},   {"u4", NumberType::kUint32},  {"i8", NumberType::kInt64},
-        {"u8", NumberType::kUint64},  {"f2", NumberType::kFloat16}, {"f4", NumberType::kFloat32},
-        {"f8", NumberType::kFloat64},
-    };
-    for (const auto& [word, type] : kTypes) {
-      if (word == kind) return type;
-    }
-    return std::nullopt;
-  }
-
-  void parse_shape(NpyHeader& header) {
+  void parse_shape(NpyDescription& header) {
     expect('(');
     while (!take(')')) {
       std::string_view size = word();
@@ -163,16 +141,6 @@ std::string shape_text(const std::vector<std::size_t>& shape) {
   return result.empty() ? "()" : result + ")";
 }
 
-// Zeros are left out of the product, so that an empty array cannot hide an absurd dimension.
-std::optional<std::size_t> checked_bytes(const NpyHeader& header) {
-  std::size_t bytes = size_of(header.type);
-  for (const std::size_t size : header.shape) {
-    if (size > std::numeric_limits<std::ptrdiff_t>::max() / bytes) return std::nullopt;
-    bytes *= std::max<std::size_t>(size, 1);
-  }
-  return header.count() == 0 ? 0 : bytes;
-}
-
 }  // namespace
 
 std::size_t NpyHeader::count() const {
@@ -181,7 +149,46 @@ std::size_t NpyHeader::count() const {
   return product;
 }
 
-NpyHeader parse_npy_header(std::string_view bytes, const std::string& name) {
+std::optional<NumberType> internal::number_type_of(std::string_view type) {
+  if (type.size() != 3 || std::string_view("<>|=").find(type[0]) == std::string_view::npos) {
+    return std::nullopt;
+  }
+  constexpr std::pair<std::string_view, NumberType> kTypes[] = {
+      {"b1", NumberType::kBool},    {"?1", NumberType::kBool},    {"i1", NumberType::kInt8},
+      {"u1", NumberType::kUint8},   {"i2", NumberType::kInt16},   {"u2", NumberType::kUint16},
+      {"i4", NumberType::kInt32},   {"u4", NumberType::kUint32},  {"i8", NumberType::kInt64},
+      {"u8", NumberType::kUint64},  {"f2", NumberType::kFloat16}, {"f4", NumberType::kFloat32},
+      {"f8", NumberType::kFloat64},
+  };
+  for (const auto& [word, number] : kTypes) {
+    if (word == type.substr(1)) return number;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::size_t> internal::array_bytes(const std::vector<std::size_t>& shape,
+                                                 std::size_t element_bytes) {
+  std::size_t bytes = std::max<std::size_t>(element_bytes, 1);
+  bool empty = element_bytes == 0;
+  for (const std::size_t size : shape) {
+    if (size > std::numeric_limits<std::ptrdiff_t>::max() / bytes) return std::nullopt;
+    bytes *= std::max<std::size_t>(size, 1);
+    empty |= size == 0;
+  }
+  return empty ? 0 : bytes;
+}
+
+void internal::require_array_bytes(const std::vector<std::size_t>& shape,
+                                   std::size_t element_bytes, std::string_view type,
+                                   std::size_t held, const std::string& name) {
+  const auto wanted = array_bytes(shape, element_bytes);
+  if (wanted && *wanted <= held) return;
+  fail(name, "expected " + (wanted ? std::to_string(*wanted) : "more than 2^63") +
+                 " bytes of data for shape " + shape_text(shape) + " of " + std::string(type) +
+                 ", got " + std::to_string(held));
+}
+
+NpyDescription internal::parse_npy_description(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) fail(name, "expected a npy file, got an empty file");
   if (!bytes.starts_with(kMagic)) {
     fail(name,
@@ -203,17 +210,26 @@ NpyHeader parse_npy_header(std::string_view bytes, const std::string& name) {
                    " bytes, but the file ends after " +
                    std::to_string(bytes.size() - std::min(begin, bytes.size())));
   }
-  NpyHeader header;
+  NpyDescription header;
   header.data_offset = begin + length;
   HeaderText(bytes.substr(begin, length), name).parse(header);
-  const auto wanted = checked_bytes(header);
-  const std::size_t held = bytes.size() - header.data_offset;
-  if (!wanted || *wanted > held) {
-    fail(name, "expected " + (wanted ? std::to_string(*wanted) : "more than 2^63") +
-                   " bytes of data for shape " + shape_text(header.shape) + " of " +
-                   std::string(name_of(header.type)) + ", got " + std::to_string(held));
-  }
   return header;
+}
+
+NpyHeader parse_npy_header(std::string_view bytes, const std::string& name) {
+  NpyDescription description = internal::parse_npy_description(bytes, name);
+  const auto type = internal::number_type_of(description.type);
+  if (!type) {
+    fail(name, "npy header: expected a bool, integer or float type such as '<f4', got " +
+                   quoted_text(description.type));
+  }
+  internal::require_array_bytes(description.shape, size_of(*type), name_of(*type),
+                                bytes.size() - description.data_offset, name);
+  return {.type = *type,
+          .big_endian = description.type.front() == '>' && size_of(*type) > 1,
+          .fortran_order = description.fortran_order,
+          .shape = std::move(description.shape),
+          .data_offset = description.data_offset};
 }
 
 }  // namespace arbox::io

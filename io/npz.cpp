@@ -1,57 +1,33 @@
 #include "arbox/io/npz.h"
 
-#include <zip.h>
-
 #include <algorithm>
 
 #include "arbox/base/error.h"
 #include "arbox/io/file.h"
 #include "arbox/io/internal/parse.h"
 #include "arbox/io/internal/text.h"
+#include "arbox/io/internal/zip_archive.h"
 
 namespace arbox::io {
 namespace {
 
-using internal::fail;
-
 constexpr std::string_view kSuffix = ".npy";
-
-struct Discard {
-  void operator()(zip_t* archive) const { zip_discard(archive); }
-  void operator()(zip_file_t* file) const { zip_fclose(file); }
-  void operator()(zip_source_t* source) const { zip_source_free(source); }
-};
-using Source = std::unique_ptr<zip_source_t, Discard>;
-using Zip = std::unique_ptr<zip_t, Discard>;
-
-class ZipError {
- public:
-  ZipError() { zip_error_init(&error_); }
-  ~ZipError() { zip_error_fini(&error_); }
-  ZipError(const ZipError&) = delete;
-  ZipError& operator=(const ZipError&) = delete;
-  zip_error_t* get() { return &error_; }
-  std::string text() { return zip_error_strerror(&error_); }
-
- private:
-  zip_error_t error_;
-};
-
-Zip opened(Source source, int flags, ZipError& error) {
-  Zip zip(zip_open_from_source(source.get(), flags, error.get()));
-  if (zip) static_cast<void>(source.release());  // The archive owns it now.
-  return zip;
-}
 
 }  // namespace
 
 struct NpzFile::Archive {
   std::string content;
   std::string name;
-  std::uint64_t limit = 0;
-  Zip zip;
-  std::vector<std::string> names;
-  std::vector<std::uint64_t> indices;
+  std::uint64_t limit;
+  internal::ZipReader zip;
+  std::vector<std::string> names = {};
+  std::vector<std::size_t> entries = {};
+
+  Archive(std::string bytes, std::string file, std::uint64_t bound)
+      : content(std::move(bytes)),
+        name(std::move(file)),
+        limit(bound),
+        zip(content, name, "a npz file") {}
 };
 
 NpzFile::~NpzFile() = default;
@@ -59,25 +35,16 @@ NpzFile::NpzFile(NpzFile&&) noexcept = default;
 NpzFile& NpzFile::operator=(NpzFile&&) noexcept = default;
 
 NpzFile::NpzFile(std::string bytes, std::string name, std::uint64_t limit)
-    : archive_(std::make_unique<Archive>()) {
+    : archive_(std::make_unique<Archive>(std::move(bytes), std::move(name), limit)) {
   constexpr std::uint64_t kLeastLimit = 64 << 20, kRatio = 256;
   Archive& archive = *archive_;
-  archive.content = std::move(bytes);
-  archive.name = std::move(name);
-  archive.limit = limit > 0 ? limit : std::max(kLeastLimit, kRatio * archive.content.size());
-  if (archive.content.empty()) fail(archive.name, "expected a npz file, got an empty file");
-  ZipError error;
-  Source source(
-      zip_source_buffer_create(archive.content.data(), archive.content.size(), 0, error.get()));
-  if (source) archive.zip = opened(std::move(source), ZIP_RDONLY, error);
-  if (!archive.zip) fail(archive.name, "expected a npz file (zip archive): " + error.text());
-  const auto entries = zip_get_num_entries(archive.zip.get(), 0);
-  for (zip_int64_t i = 0; i < entries; ++i) {
-    const char* entry = zip_get_name(archive.zip.get(), static_cast<zip_uint64_t>(i), 0);
-    if (entry == nullptr || !std::string_view(entry).ends_with(kSuffix)) continue;
-    const std::string_view full = entry;
+  if (limit == 0) archive.limit = std::max(kLeastLimit, kRatio * archive.content.size());
+  const auto& entries = archive.zip.entries();
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const std::string_view full = entries[i].name;
+    if (!full.ends_with(kSuffix)) continue;
     archive.names.emplace_back(full.substr(0, full.size() - kSuffix.size()));
-    archive.indices.push_back(static_cast<std::uint64_t>(i));
+    archive.entries.push_back(i);
   }
 }
 
@@ -91,26 +58,10 @@ std::string NpzFile::bytes(std::string_view array) const {
                           "; it holds " +
                           (archive.names.empty() ? "none" : internal::listed(archive.names)));
   }
-  const std::string where = archive.name + ": array " + internal::quoted_text(array);
-  const std::uint64_t index =
-      archive.indices[static_cast<std::size_t>(found - archive.names.begin())];
-  const std::unique_ptr<zip_file_t, Discard> file(zip_fopen_index(archive.zip.get(), index, 0));
-  if (!file) fail(where, std::string("cannot be read: ") + zip_strerror(archive.zip.get()));
-  std::string result;
-  constexpr std::size_t kPiece = 1 << 18;
-  for (;;) {
-    const std::size_t held = result.size();
-    if (held > archive.limit) {
-      fail(where, "decompresses to more than the limit of " + std::to_string(archive.limit) +
-                      " bytes (an archive of " + std::to_string(archive.content.size()) +
-                      " bytes)");
-    }
-    result.resize(held + kPiece);
-    const auto got = zip_fread(file.get(), result.data() + held, kPiece);
-    if (got < 0) fail(where, std::string("is damaged: ") + zip_file_strerror(file.get()));
-    result.resize(held + static_cast<std::size_t>(got));
-    if (got == 0) return result;
-  }
+  const std::size_t entry =
+      archive.entries[static_cast<std::size_t>(found - archive.names.begin())];
+  return archive.zip.read(entry, archive.limit,
+                          archive.name + ": array " + internal::quoted_text(array));
 }
 
 NpyArray NpzFile::read(std::string_view array) const {
@@ -122,41 +73,9 @@ NpzFile open_npz(const std::filesystem::path& path, std::uint64_t limit) {
 }
 
 std::string encode_npz(const std::vector<std::pair<std::string, std::string>>& arrays) {
-  ZipError error;
-  Source source(zip_source_buffer_create(nullptr, 0, 0, error.get()));
-  if (!source) throw IoError("encode_npz: " + error.text());
-  zip_source_keep(source.get());
-  const Source kept(source.get());
-  Zip zip = opened(std::move(source), ZIP_CREATE | ZIP_TRUNCATE, error);
-  if (!zip) throw IoError("encode_npz: " + error.text());
-  const auto require = [&](bool good) {
-    if (!good) throw IoError(std::string("encode_npz: ") + zip_strerror(zip.get()));
-  };
-  for (const auto& [name, bytes] : arrays) {
-    Source data(zip_source_buffer(zip.get(), bytes.data(), bytes.size(), 0));
-    require(data != nullptr);
-    const auto index = zip_file_add(zip.get(), (name + std::string(kSuffix)).c_str(), data.get(),
-                                    ZIP_FL_ENC_UTF_8);
-    require(index >= 0);
-    static_cast<void>(data.release());
-    // A fixed time (1980-01-01, zip's first), so that equal arrays give equal bytes.
-    require(zip_file_set_dostime(zip.get(), static_cast<zip_uint64_t>(index), 0, 0x21, 0) == 0);
-  }
-  require(zip_close(zip.get()) == 0);
-  static_cast<void>(zip.release());
-  std::string result;
-  if (arrays.empty()) return result;
-  zip_stat_t status;
-  if (zip_source_stat(kept.get(), &status) != 0 || zip_source_open(kept.get()) != 0) {
-    throw IoError("encode_npz: the archive in memory cannot be read back");
-  }
-  result.resize(status.size);
-  const auto got = zip_source_read(kept.get(), result.data(), result.size());
-  zip_source_close(kept.get());
-  if (got != static_cast<zip_int64_t>(result.size())) {
-    throw IoError("encode_npz: the archive in memory cannot be read back");
-  }
-  return result;
+  std::vector<internal::ZipMember> members;
+  for (const auto& [name, bytes] : arrays) members.push_back({name + std::string(kSuffix), bytes});
+  return internal::encode_zip(members, true, "encode_npz");
 }
 
 }  // namespace arbox::io

@@ -176,8 +176,9 @@ Manifest parse_manifest(const std::string& text, const std::string& place) {
   root.require_object();
   if (root.at("format").text() != kFormat) root.at("format").refuse(kFormat);
   if (root.at("version").number() != kVersion) {
-    root.at("version").refuse("version 1, the only one that this build of Arbox reads (files of "
-                              "later versions need a later Arbox)");
+    root.at("version").refuse(
+        "version 1, the only one that this build of Arbox reads (files of "
+        "later versions need a later Arbox)");
   }
   root.require_object({"format", "version", "kind", "classes", "texts", "records"});
   Manifest manifest{.kind = root.at("kind").text(),

@@ -18,8 +18,8 @@ ModelRecord make_record(std::span<const T> values, const std::vector<std::size_t
   return {.type = array.header().type, .shape = shape, .data = std::string(array.data())};
 }
 
-#define ARBOX_INSTANTIATE(T)                                \
-  template std::vector<T> ModelRecord::values<T>() const;   \
+#define ARBOX_INSTANTIATE(T)                              \
+  template std::vector<T> ModelRecord::values<T>() const; \
   template ModelRecord make_record<T>(std::span<const T>, const std::vector<std::size_t>&);
 ARBOX_INSTANTIATE(float)
 ARBOX_INSTANTIATE(double)

@@ -73,7 +73,8 @@ fs::path find_model(const std::string& name) {
   }
   const std::vector<std::string> known = known_models(folders);
   if (known.empty()) {
-    throw IoError("model '" + name + "': no models are installed; give the path of a .arbox file, " +
+    throw IoError("model '" + name +
+                  "': no models are installed; give the path of a .arbox file, " +
                   "or name a folder of models in ARBOX_MODEL_PATH");
   }
   throw IoError(unknown_name_text("model", name, known));

@@ -91,8 +91,8 @@ std::string encode_npy(NumberType type, const std::vector<std::size_t>& shape,
                           std::string(name_of(type)) + ", got " + std::to_string(data.size()) +
                           " bytes");
   }
-  std::string text = "{'descr': '" + std::string(description(type)) +
-                     "', 'fortran_order': False, 'shape': (";
+  std::string text =
+      "{'descr': '" + std::string(description(type)) + "', 'fortran_order': False, 'shape': (";
   for (const std::size_t size : shape) text += std::to_string(size) + ", ";
   text += "), }";
   constexpr std::size_t kPrefix = 10, kAlignment = 64;

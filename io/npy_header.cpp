@@ -178,9 +178,9 @@ std::optional<std::size_t> internal::array_bytes(const std::vector<std::size_t>&
   return empty ? 0 : bytes;
 }
 
-void internal::require_array_bytes(const std::vector<std::size_t>& shape,
-                                   std::size_t element_bytes, std::string_view type,
-                                   std::size_t held, const std::string& name) {
+void internal::require_array_bytes(const std::vector<std::size_t>& shape, std::size_t element_bytes,
+                                   std::string_view type, std::size_t held,
+                                   const std::string& name) {
   const auto wanted = array_bytes(shape, element_bytes);
   if (wanted && *wanted <= held) return;
   fail(name, "expected " + (wanted ? std::to_string(*wanted) : "more than 2^63") +

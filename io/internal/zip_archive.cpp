@@ -69,10 +69,10 @@ ZipReader::ZipReader(std::string_view bytes, std::string name, const std::string
   if (source) archive_->zip = opened(std::move(source), ZIP_RDONLY, error);
   if (!archive_->zip) {
     const bool begun = bytes.starts_with("PK\3\4");
-    fail(name, "expected " + what + " (zip archive)" +
-                   (begun ? ", got the beginning of one: the file is truncated or damaged: "
-                          : ": ") +
-                   error.text());
+    fail(name,
+         "expected " + what + " (zip archive)" +
+             (begun ? ", got the beginning of one: the file is truncated or damaged: " : ": ") +
+             error.text());
   }
   const auto count = zip_get_num_entries(archive_->zip.get(), 0);
   for (zip_int64_t i = 0; i < count; ++i) {

@@ -48,6 +48,9 @@ void load_parameters(torch::nn::Module& module, const NamedTensors& tensors,
     } else if (found->second.sizes() != tensor.sizes()) {
       violations.push_back("'" + name + "' has shape " + shape_text(found->second) + ", expected " +
                            shape_text(tensor));
+    } else if (found->second.is_floating_point() != tensor.is_floating_point()) {
+      violations.push_back("'" + name + "' has type " + c10::toString(found->second.scalar_type()) +
+                           ", expected " + c10::toString(tensor.scalar_type()));
     } else if (!at::isfinite(found->second).all().item<bool>()) {
       violations.push_back("'" + name + "' holds a non-finite number");
     }

@@ -18,8 +18,8 @@ NamedTensors parameters_of(const torch::nn::Module& module);
 
 /// Copies tensors into a module's parameters and buffers, in its own dtype. Nothing is copied
 /// unless all names and shapes fit: FormatError that begins with `source` lists every missing name,
-/// every unknown one, every shape that differs (with both) and every tensor with a non-finite
-/// number.
+/// every unknown one, every shape that differs (with both), whole numbers for fractions and the
+/// other way round, and every tensor with a non-finite number.
 void load_parameters(torch::nn::Module& module, const NamedTensors& tensors,
                      const std::string& source);
 

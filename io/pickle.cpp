@@ -30,23 +30,26 @@ std::optional<PickleValue> list_of_set(const PickleValue& value) {
   return list;
 }
 
-/// The bytes that a call of _codecs.encode, bytes or bytearray would make, or nothing.
-std::optional<std::string> called_bytes(const PickleValue& value) {
-  const bool encode = value.is("_codecs", "encode");
-  const bool made = is_module_of_built_ins(value.module()) &&
-                    (value.name() == "bytes" || value.name() == "bytearray");
+/// The bytes of _codecs.encode(text, "latin1"), or nothing.
+std::optional<std::string> encoded_bytes(const PickleValue& value) {
+  if (!value.is(PickleKind::kObject) || !value.is("_codecs", "encode")) return {};
   const PickleValue arguments = value.arguments();
-  if ((!encode && !made) || !arguments.is(PickleKind::kTuple)) return {};
-  const std::size_t count = arguments.size();
-  if (made && count == 0) return "";
-  if (made && count == 1 && arguments[0].is(PickleKind::kBytes)) return arguments[0].bytes();
-  if (count != 2 || !arguments[0].is(PickleKind::kText)) return {};
-  const PickleValue encoding = arguments[1];
-  if (!encoding.is(PickleKind::kText) ||
-      (encoding.text() != "latin1" && encoding.text() != "latin-1")) {
-    return {};
-  }
+  if (!arguments.is(PickleKind::kTuple) || arguments.size() != 2) return {};
+  if (!arguments[0].is(PickleKind::kText) || !arguments[1].is(PickleKind::kText)) return {};
+  const std::string_view encoding = arguments[1].text();
+  if (encoding != "latin1" && encoding != "latin-1") return {};
   return internal::to_latin1(arguments[0].text());
+}
+
+/// The bytes that such a call, or one of bytes or bytearray, would make, or nothing.
+std::optional<std::string> called_bytes(const PickleValue& value) {
+  if (!is_module_of_built_ins(value.module())) return encoded_bytes(value);
+  const PickleValue arguments = value.arguments();
+  const bool made = value.name() == "bytes" || value.name() == "bytearray";
+  if (!made || !arguments.is(PickleKind::kTuple) || arguments.size() > 1) return {};
+  if (arguments.size() == 0) return "";
+  if (arguments[0].is(PickleKind::kBytes)) return arguments[0].bytes();
+  return encoded_bytes(arguments[0]);
 }
 
 const Node& node_of(const PickleTree& tree, std::uint32_t number) { return tree.nodes[number]; }
@@ -308,6 +311,16 @@ std::vector<PickleValue> PickleValue::items() const {
 PickleValue PickleValue::id() const {
   if (!is(PickleKind::kPersistent)) refuse("a persistent id");
   return child(node_of(*tree_, node_).children[0], ".id");
+}
+
+std::vector<PickleValue> PickleValue::persistent_values() const {
+  std::vector<PickleValue> result;
+  for (std::uint32_t i = 0; i < tree_->nodes.size(); ++i) {
+    if (node_of(*tree_, i).kind == PickleKind::kPersistent) {
+      result.push_back({tree_, i, "persistent value " + std::to_string(result.size())});
+    }
+  }
+  return result;
 }
 
 PickleValue parse_pickle(std::shared_ptr<const std::string> content, std::size_t& begin,

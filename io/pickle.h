@@ -117,6 +117,8 @@ class PickleValue {
 
   /// The id of a persistent value.
   PickleValue id() const;
+  /// All persistent values of the pickle that this value is in.
+  std::vector<PickleValue> persistent_values() const;
 
   /// True if both are one value of the file.
   bool same(const PickleValue& other) const { return tree_ == other.tree_ && node_ == other.node_; }

@@ -11,6 +11,8 @@
 
 #include "arbox/base/error.h"
 #include "arbox/io/file.h"
+#include "arbox/io/internal/zip_archive.h"
+#include "arbox/io/model_archive.h"
 #include "arbox/io/npy.h"
 #include "arbox/io/npz.h"
 #include "arbox/io/point_cloud_file.h"
@@ -165,6 +167,60 @@ void make_point_clouds(const fs::path& root) {
         encode(PointCloudFormat::kBin, "", {"intensity", "ring"}).substr(0, 100));
 }
 
+void make_models(const fs::path& root) {
+  arbox::io::ModelArchive model{.kind = "k",
+                                .configuration = "a: 1\n",
+                                .classes = {"Car", "b"},
+                                .calibration = "{}",
+                                .card = "# K\n"};
+  model.texts["note"] = "text";
+  model.records["a.weight"] = arbox::io::make_record<float>(std::vector<float>{1, -2}, {1, 2});
+  model.records["b/step"] = arbox::io::make_record<std::int64_t>(std::vector<std::int64_t>{3}, {});
+  write(root, "model_archive", "stored.arbox", arbox::io::encode_model_archive(model));
+  write(root, "model_archive", "deflated.arbox", arbox::io::encode_model_archive(model, true));
+}
+
+std::string text(const std::string& word) { return 'U' + (static_cast<char>(word.size()) + word); }
+
+// A tensor of two floats in storage "0".
+std::string tensor() {
+  using namespace std::string_literals;
+  return "ctorch._utils\n_rebuild_tensor_v2\n((" + text("storage") + "ctorch\nFloatStorage\n" +
+         text("0") + text("cpu") + "K\2NtQK\0K\2\x85K\1\x85\x89}tR"s;
+}
+
+void make_pickles(const fs::path& root) {
+  using namespace std::string_literals;
+  const std::string dtype = "cnumpy\ndtype\n(" + text("f4") + "K\0K\1tR(K\3"s + text("<") +
+                            "NNNJ\xff\xff\xff\xffJ\xff\xff\xff\xffK\0tb"s;
+  const std::string reconstruct =
+      "cnumpy.core.multiarray\n_reconstruct\n(cnumpy\nndarray\n(K\0t"s + text("b") + "tR(K\1(";
+  write(root, "pickle", "protocol_0.pkl",
+        "(dp0\nS'a\\n\\x41'\np1\n(lp2\nI1\naF2.5\naL-3L\naI01\nasV\\u4e16\np3\n(g1\ntp4\ns.");
+  write(root, "pickle", "protocol_2.pkl",
+        "\x80\2}q\0(X\1\0\0\0aq\1]q\2(K\1M\1\2J\1\2\3\xff\x8a\2\1\2G?\xf0\0\0\0\0\0\0eh\1h\2u."s);
+  write(
+      root, "pickle", "protocol_4.pkl",
+      "\x80\4\x95\x1e\0\0\0\0\0\0\0}\x94(\x8c\1a\x94\x8f\x94(K\1\x88N\x90h\1C\2bc\x94K\2\x85\x94u."s);
+  write(root, "pickle", "objects.pkl",
+        "(cm\nn\n)R}" + text("k") +
+            "Nsb(K\1e(K\1Nu\x8c\1m\x8c\1n\x93)}\x92Q(K\1im\nn\n(cm\nn\nK\1ot.");
+  write(root, "pickle", "array.pkl",
+        "\x80\2" + reconstruct + "K\2t" + dtype + "\x88" + text("12345678") + "tb.");
+  write(root, "pickle", "objects_array.pkl",
+        "\x80\2" + reconstruct + "K\1tcnumpy\ndtype\n(" + text("O8") + "K\0K\1tR\x89(Nltb."s);
+  write(root, "pickle", "encoded.pkl",
+        "\x80\2c_codecs\nencode\nX\3\0\0\0\xc3\xbf" + "aX\6\0\0\0latin1\x86R."s);
+  const std::string value = "\x80\2}" + text("w") + tensor() + "s.";
+  write(root, "torch_checkpoint", "stream.pth",
+        "\x80\2\x8a\nl\xfc\x9c\x46\xf9 j\xa8P\x19.\x80\2M\xe9\3.\x80\2}" + text("little_endian") +
+            "\x88s." + value + "\x80\2(" + text("0") + "l.\2\0\0\0\0\0\0\0"s + "\0\0\x80?\0\0\0@"s);
+  write(root, "torch_checkpoint", "archive.pth",
+        arbox::io::internal::encode_zip(
+            {{"a/data.pkl", value}, {"a/byteorder", "little"}, {"a/data/0", "\0\0\x80?\0\0\0@"s}},
+            false, "make_corpus"));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -179,6 +235,8 @@ int main(int argc, char** argv) {
     make_kitti(argv[1]);
     make_evaluation(argv[1]);
     make_point_clouds(argv[1]);
+    make_models(argv[1]);
+    make_pickles(argv[1]);
   } catch (const arbox::Error& error) {
     std::cerr << "fuzz_make_corpus: " << error.what() << '\n';
     return 1;

@@ -115,11 +115,10 @@ TEST(NumpyPickle, ReadsNpyFilesOfObjectsAndText) {
 }
 
 /// The pickle of an array of `type`, `shape` and data, all as instructions.
-std::string made_array(const std::string& type, const std::string& shape,
-                       const std::string& data) {
+std::string made_array(const std::string& type, const std::string& shape, const std::string& data) {
   return "cnumpy.core.multiarray\n_reconstruct\n(cnumpy\nndarray\n(I0\ntS'b'\ntR(I1\n(" + shape +
-         "tcnumpy\ndtype\n(S'" + type +
-         "'\nI0\nI1\ntR(I3\nS'<'\nNNNI-1\nI-1\nI0\ntbI00\n" + data + "tb.";
+         "tcnumpy\ndtype\n(S'" + type + "'\nI0\nI1\ntR(I3\nS'<'\nNNNI-1\nI-1\nI0\ntbI00\n" + data +
+         "tb.";
 }
 
 TEST(NumpyPickle, ShapesAreComparedWithTheData) {

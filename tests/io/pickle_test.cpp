@@ -52,9 +52,9 @@ TEST_P(EveryProtocol, GivesPlainValues) {
   EXPECT_FALSE(all.at("false").boolean());
   std::vector<std::int64_t> integers;
   for (const auto& value : all.at("integers").elements()) integers.push_back(value.integer());
-  EXPECT_THAT(integers, ElementsAre(0, 1, 255, 256, 65535, 65536, -1, -129, 2147483647,
-                                    -2147483648, std::int64_t(1) << 62,
-                                    std::numeric_limits<std::int64_t>::min()));
+  EXPECT_THAT(integers,
+              ElementsAre(0, 1, 255, 256, 65535, 65536, -1, -129, 2147483647, -2147483648,
+                          std::int64_t(1) << 62, std::numeric_limits<std::int64_t>::min()));
   EXPECT_THAT(all.at("floats").numbers(),
               ElementsAre(0.0, -1.5, 1e300, std::numeric_limits<double>::infinity()));
   EXPECT_EQ(all.at("text").text(), "Vélo \u4e16 \U0001f600\n\\");
@@ -138,10 +138,10 @@ TEST(Pickle, NothingIsRun) {
 }
 
 TEST(Pickle, ObjectsKeepWhatWouldBeDoneToThem) {
-  const PickleValue value = parse_pickle(
-      "\x80\x04\x8c\x01m\x8c\x01n\x93)}\x8c\x03key K\x05s\x92K\x01"s + "a(K\x02K\x03" + "e" +
-          "\x8c\x01kK\x04s}\x8c\x01zNsb.",
-      "a.pkl");
+  const PickleValue value =
+      parse_pickle("\x80\x04\x8c\x01m\x8c\x01n\x93)}\x8c\x03keyK\x05s\x92K\x01"s + "a(K\x02K\x03" +
+                       "e" + "\x8c\x01kK\x04s}\x8c\x01zNsb.",
+                   "a.pkl");
   EXPECT_TRUE(value.is("m", "n"));
   EXPECT_TRUE(value.callable().is(PickleKind::kGlobal));
   ASSERT_TRUE(value.named_arguments());
@@ -154,9 +154,8 @@ TEST(Pickle, ObjectsKeepWhatWouldBeDoneToThem) {
 }
 
 TEST(Pickle, PersistentIdsAndBigIntegers) {
-  const PickleValue value =
-      parse_pickle("\x80\x02(X\7\0\0\0storageK\5tQP7\n\x86\x8a\x0al\xfc\x9c\x46\xf9 j\xa8P\x19\x86."s,
-                   "a.pkl");
+  const PickleValue value = parse_pickle(
+      "\x80\x02(X\7\0\0\0storageK\5tQP7\n\x86\x8a\x0al\xfc\x9c\x46\xf9 j\xa8P\x19\x86."s, "a.pkl");
   EXPECT_EQ(value[0][0].id()[1].integer(), 5);
   EXPECT_EQ(value[0][1].id().text(), "7");
   EXPECT_EQ(value[1].kind(), PickleKind::kBigInteger);
@@ -213,8 +212,9 @@ TEST(Pickle, LengthsAreComparedWithTheFile) {
 // What these would be in full has 2^60 elements, or a million levels.
 TEST(Pickle, BombsStaySmall) {
   std::string doubling = "]q\0"s;
-  for (int i = 0; i < 60; ++i) doubling += "0](h"s + static_cast<char>(i) + "h" +
-                                           static_cast<char>(i) + "eq" + static_cast<char>(i + 1);
+  for (int i = 0; i < 60; ++i)
+    doubling += "0](h"s + static_cast<char>(i) + "h" + static_cast<char>(i) + "eq" +
+                static_cast<char>(i + 1);
   const PickleValue bomb = parse_pickle(doubling + ".", "a.pkl");
   EXPECT_TRUE(bomb[0].same(bomb[1]));
   EXPECT_THAT(refusal([&] { bomb.numbers(); }), HasSubstr("over and over"));

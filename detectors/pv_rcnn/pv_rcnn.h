@@ -1,0 +1,48 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "arbox/detectors/detector.h"
+#include "arbox/detectors/pv_rcnn/network.h"
+#include "arbox/evaluation/confidence_calibration.h"
+
+namespace arbox::detectors::pv_rcnn {
+
+/// PV-RCNN as a detector: proposals, regions, suppression, and the head on what is left.
+///
+/// Each detection has the box that PostOptions::box names, its class and score (sigmoid of the
+/// confidence) and, where the head has a likelihood, log density, uncertainty (from
+/// PostOptions::samples draws) and quantile boxes as asked for. Heads without one (pointwise) give
+/// their one box for every quantile, and no uncertainty. Confidence boxes need a calibration.
+///
+/// Input, and what becomes of it:
+/// - no points, or none in range: no detections;
+/// - points that are not finite: left out and counted;
+/// - any number of points: beyond VoxelOptions::max_points, max_points_per_voxel and max_voxels
+///   they are thinned, so that time and memory are bounded;
+/// - intensity in 0..255 or 0..65535: divided (make_batch); none: taken as 0, which costs accuracy;
+/// - a sensor at another height: say Options::sensor_height, boxes come in the cloud's own frame;
+/// - another number of beams: accepted; accuracy is what training on other densities gives.
+/// Boxes whose numbers are not finite are left out and counted in DetectionResult::dropped_boxes.
+///
+/// Const, safe to use from several threads. Same cloud, network, seed and CPU: same bytes.
+class PvRcnn : public Detector {
+ public:
+  /// Puts the network into eval mode; it must not be trained while the detector is in use.
+  explicit PvRcnn(std::shared_ptr<Network> network,
+                  std::optional<evaluation::ConfidenceCalibration> calibration = {});
+
+  /// Throws InvalidArgument for a request out of range, and for confidences without a calibration.
+  DetectionResult detect(const geometry::PointCloudView& cloud,
+                         const DetectionRequest& request = {}) const override;
+
+  const Options& options() const { return network_->options(); }
+  const Network& network() const { return *network_; }
+
+ private:
+  std::shared_ptr<Network> network_;
+  std::optional<evaluation::ConfidenceCalibration> calibration_;
+};
+
+}  // namespace arbox::detectors::pv_rcnn

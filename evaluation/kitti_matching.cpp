@@ -114,6 +114,13 @@ bool too_small(const KittiObject& prediction, const DifficultyLimits& limits) {
 
 }  // namespace
 
+int kitti_difficulty(const KittiObject& label) {
+  for (std::size_t i = 0; i < kLimits.size(); ++i) {
+    if (!too_hard(label, kLimits[i])) return static_cast<int>(i);
+  }
+  return -1;
+}
+
 PreparedKittiFrame prepare_kitti_frame(const KittiFrame& frame, const KittiOptions& options) {
   PreparedKittiFrame result;
   result.frame = &frame;

@@ -74,6 +74,10 @@ struct KittiCurve {
   double r11() const;
 };
 
+/// The easiest difficulty at which the benchmark counts a label, an index into kKittiDifficulties;
+/// -1 for labels that it never counts. Decided by the height in the image, occlusion, truncation.
+int kitti_difficulty(const io::KittiObject& label);
+
 /// One curve a difficulty, in the order of kKittiDifficulties.
 using KittiCurves = std::array<KittiCurve, 3>;
 

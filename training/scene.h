@@ -7,16 +7,23 @@
 
 #include "arbox/geometry/box.h"
 #include "arbox/geometry/point_cloud_view.h"
-#include "arbox/io/kitti_object.h"
+#include "arbox/io/kitti_calibration.h"
 
 namespace arbox::training {
 
-/// An object that a network shall find.
+/// Label of things that a network does not look for. They take room, and they may be taken for
+/// something that it does look for.
+inline constexpr int kOtherObject = -1;
+
+/// A labelled object.
 struct SceneObject {
   geometry::Box box;
-  /// Index into the class names of the network.
+  /// Index into the class names of the network, or kOtherObject.
   int label = 0;
-  /// 0 easy, 1 moderate, 2 hard, -1 harder than hard (io/kitti_object.h).
+  /// Of other objects: the class that they are easily taken for (a van for a car), or -1.
+  int resembles = -1;
+  /// 0 easy, 1 moderate, 2 hard, -1 harder than hard, as the KITTI benchmark has them; where an
+  /// object was not seen by a camera, by its points (training/scene_objects.h).
   int difficulty = 0;
 };
 
@@ -25,7 +32,7 @@ struct Scene {
   /// Columns x, y, z, intensity in 0..1.
   geometry::PointCloud cloud;
   std::vector<SceneObject> objects;
-  /// The road, where objects may be placed; absent if not known.
+  /// The road in the LiDAR frame, where objects may be placed; absent if not known.
   std::optional<io::KittiPlane> ground;
   /// File or seed that the scene is from, for messages.
   std::string source;

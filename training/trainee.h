@@ -15,10 +15,14 @@
 
 namespace arbox::training {
 
-/// What a step is: all random choices of a loss are addressed by seed and step.
+/// Where random choices come from: those about scene i of a step are addressed by (seed,
+/// first_scene + i), whatever the number of processes.
 struct Step {
+  /// Counts calls of Trainee::loss; a step of the optimiser may take several.
   std::int64_t number = 0;
   std::uint64_t seed = 0;
+  /// Place of the first scene in the run's sequence of scenes.
+  std::int64_t first_scene = 0;
 };
 
 struct StepLoss {
@@ -36,8 +40,17 @@ class Trainee {
 
   virtual torch::nn::Module& network() = 0;
 
-  /// Loss of the scenes that this process has of the step's batch. Counts that losses are divided
-  /// by are summed over `processes`. The network is in training mode but for its frozen parts.
+  /// Changes a scene before its loss is asked (augmentation), with random choices addressed by
+  /// (seed, place). Called on loader threads, several at once.
+  virtual void prepare(Scene& /*scene*/, std::uint64_t /*seed*/, std::int64_t /*place*/) const {}
+
+  /// Loss of the scenes that this process has of the step's batch, at least one. Counts that losses
+  /// are divided by are summed over `processes`. The network is in training mode but for its frozen
+  /// parts.
+  ///
+  /// With several processes, each must sum the same things in the same order, and batch norms share
+  /// their statistics in forward and backward: call the same batch norms for every batch, also with
+  /// no rows, and let what they give be part of the loss (times 0 if need be).
   virtual StepLoss loss(std::span<const Scene> scenes, const Step& step,
                         Communicator& processes) = 0;
 

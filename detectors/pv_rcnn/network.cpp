@@ -31,22 +31,6 @@ const Options& validated(const Options& options) {
   return options;
 }
 
-std::shared_ptr<heads::BoxHead> make_head(const Options& options) {
-  const std::int64_t features = options.regions.shared.back();
-  if (options.head.name == "pointwise") {
-    if (!options.head.options.empty()) {
-      throw ConfigError("head pointwise: it has no options, got '" + options.head.options.front() +
-                        "'");
-    }
-    return std::make_shared<internal::PointwiseBranch>(
-        heads::HeadContext{.features = features,
-                           .condition = kBoxNumbers,
-                           .codec = heads::make_codec(options.head.codec)});
-  }
-  Registry registry = heads::make_head_registry();
-  return heads::make_head(options.head, features, kBoxNumbers, registry);
-}
-
 /// Cells by scan, then y, then x: the order of anchors.
 struct CellOrder {
   at::Tensor rows, places;           // of the tensor; y * width + x
@@ -68,6 +52,22 @@ CellOrder order_of(const sparse::SparseTensor& cells) {
 
 }  // namespace
 
+std::shared_ptr<heads::BoxHead> make_region_head(const Options& options) {
+  const std::int64_t features = options.regions.shared.back();
+  if (options.head.name == "pointwise") {
+    if (!options.head.options.empty()) {
+      throw ConfigError("head pointwise: it has no options, got '" + options.head.options.front() +
+                        "'");
+    }
+    return std::make_shared<internal::PointwiseBranch>(
+        heads::HeadContext{.features = features,
+                           .condition = kBoxNumbers,
+                           .codec = heads::make_codec(options.head.codec)});
+  }
+  Registry registry = heads::make_head_registry();
+  return heads::make_head(options.head, features, kBoxNumbers, registry);
+}
+
 Network::Network(const Options& options)
     : options_(validated(options)), anchors_(make_anchors(options)) {
   backbone_ =
@@ -85,7 +85,7 @@ Network::Network(const Options& options)
                                         options_.keypoints, keypoints_->gathered_channels()));
   regions_ = register_module("roi_head", std::make_shared<internal::RegionHead>(
                                              options_.regions, options_.keypoints.fused));
-  head_ = regions_->register_module("box_head", make_head(options_));
+  head_ = regions_->register_module("box_head", make_region_head(options_));
 }
 
 Network::~Network() = default;

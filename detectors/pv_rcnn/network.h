@@ -43,10 +43,11 @@ struct PointBatch {
 /// Clouds without an `intensity` channel get 0. Intensities of a cloud whose largest is above 1 are
 /// taken as 0..255 (above 255: as 0..65535) and divided; those that are not finite count as 0. With
 /// Options::sensor_height points are shifted in z. More points than VoxelOptions::max_points are
-/// thinned evenly by their number. In training the points are shuffled by `seed`.
+/// thinned evenly by their number. In training the points of cloud i are shuffled by
+/// (seed, first_scan + i).
 /// A cloud without points in range gives a scan without points and voxels.
 PointBatch make_batch(std::span<const geometry::PointCloudView> clouds, const Options& options,
-                      bool training, std::uint64_t seed);
+                      bool training, std::uint64_t seed, std::uint64_t first_scan = 0);
 
 /// Candidates of the anchor head, scan by scan: every anchor of a dense network, those of the cells
 /// near something of a sparse one. All (N, ...) with gradient.
@@ -84,6 +85,10 @@ struct SecondStage {
   at::Tensor confidence;  ///< (R) logits.
   at::Tensor residuals;   ///< (R, 7) pointwise branch, in the frame of the region.
 };
+
+/// The head that the options name, as Network has it: `pointwise` is PV-RCNN's own branch
+/// (internal/pointwise_branch.h), other names as heads::make_head. Throws ConfigError as that does.
+std::shared_ptr<heads::BoxHead> make_region_head(const Options& options);
 
 /// PV-RCNN (Shi et al., CVPR 2020) with a head of heads/. Parameters carry the names of OpenPCDet's
 /// checkpoints; those of the head begin with `roi_head.box_head`. Batch norms are

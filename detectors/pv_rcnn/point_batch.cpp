@@ -99,13 +99,13 @@ sparse::Lattice input_lattice(const Options& options) {
 }  // namespace
 
 PointBatch make_batch(std::span<const geometry::PointCloudView> clouds, const Options& options,
-                      bool training, std::uint64_t seed) {
+                      bool training, std::uint64_t seed, std::uint64_t first_scan) {
   std::vector<ScanPoints> scans;
   std::vector<sparse::Voxels> voxels;
   std::int64_t total = 0, dropped = 0;
   for (std::size_t scan = 0; scan < clouds.size(); ++scan) {
     scans.push_back(cropped(clouds[scan], options));
-    if (training) shuffle(scans.back().rows, seed, scan);
+    if (training) shuffle(scans.back().rows, seed, first_scan + scan);
     const auto view = geometry::PointCloudView::packed(scans.back().rows.data(),
                                                        scans.back().size(), {"intensity"});
     voxels.push_back(sparse::voxelize(view, {"intensity"},

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "arbox/detectors/pv_rcnn/network.h"
+#include "arbox/training/augmentation.h"
+#include "arbox/training/pv_rcnn/anchor_targets.h"
+#include "arbox/training/pv_rcnn/losses.h"
+#include "arbox/training/trainee.h"
+
+namespace arbox::training {
+
+/// How a PV-RCNN learns. Which parts do is said where it is trained (TrainOptions::frozen): losses
+/// of frozen parts are not computed, and frozen stages run without gradient.
+struct PvRcnnTraineeOptions {
+  detectors::pv_rcnn::Options network;
+  /// Further heads that learn side by side with network.head, from the same features with the same
+  /// codec. Their parameters are `box_heads.NAME.*`.
+  std::vector<std::string> more_heads;
+  /// Changes to their options, each NAME.KEY=VALUE.
+  std::vector<std::string> more_head_options;
+  /// Heads learn without changing the features that they get.
+  bool detach_heads = false;
+  pv_rcnn::ProposalTargetOptions proposals;
+  /// Keypoints up to half of this outside of an object are ignored, metres.
+  double keypoint_ring = 0.2;
+  /// Anchors, proposals and keypoints on other objects that resemble a class (vans: cars) are
+  /// neither right nor wrong, as in the KITTI benchmark's score. The reference implementation takes
+  /// them for background.
+  bool ignore_similar = true;
+  pv_rcnn::LossOptions losses;
+  AugmentationOptions augmentation;
+
+  template <class Visitor>
+  static void describe(Visitor& visitor) {
+    using Self = PvRcnnTraineeOptions;
+    visitor.group("network", &Self::network, "The network");
+    visitor.field("more_heads", &Self::more_heads,
+                  {.help = "Further heads that learn side by side, from the same features"});
+    visitor.field("more_head_options", &Self::more_head_options,
+                  {.help = "Changes to their options, each NAME.KEY=VALUE"});
+    visitor.field("detach_heads", &Self::detach_heads,
+                  {.help = "Heads learn without changing the features that they get"});
+    visitor.group("proposals", &Self::proposals, "What the second stage learns from");
+    visitor.field("keypoint_ring", &Self::keypoint_ring,
+                  {.help = "Keypoints up to half of this outside of an object are ignored",
+                   .unit = "m",
+                   .low = 0,
+                   .high = 10});
+    visitor.field("ignore_similar", &Self::ignore_similar,
+                  {.help = "Take what resembles a class for neither right nor wrong, instead of "
+                           "for background"});
+    visitor.group("losses", &Self::losses, "Losses and their weights");
+    visitor.group("augmentation", &Self::augmentation, "How scenes are changed");
+  }
+};
+
+/// PV-RCNN as the trainer sees it.
+class PvRcnnTrainee : public Trainee {
+ public:
+  /// Draws the first weights from LibTorch's generator. `objects`: scenes whose objects are pasted
+  /// into others (augmentation.objects); all of them are read here. Throws ConfigError for options
+  /// that are out of range or do not fit together.
+  explicit PvRcnnTrainee(PvRcnnTraineeOptions options, const SceneSource* objects = nullptr);
+  ~PvRcnnTrainee() override;
+
+  /// The Network; further heads are its child `box_heads`.
+  torch::nn::Module& network() override { return *network_; }
+
+  /// Augmentation.
+  void prepare(Scene& scene, std::uint64_t seed, std::int64_t place) const override;
+
+  /// Objects whose centre is outside of the network's range are left out. Terms, as they add up to
+  /// the total: classification, box, direction, keypoint, confidence, residual, corner and "head
+  /// NAME"; beside them the parts of each head's own loss, "NAME likelihood" and the like, as a
+  /// mean over the foreground of the whole batch. Two tensors are summed over the processes: the
+  /// counts.
+  StepLoss loss(std::span<const Scene> scenes, const Step& step, Communicator& processes) override;
+
+  /// AP in percent of every class: "Car 3d R40 moderate", "Car bev R40 moderate", ... (easy and
+  /// hard likewise), and "Car found": the mean IoU of its objects, those harder than hard left out,
+  /// with the best detection of each. With further heads names begin with the head: "gaussian: Car
+  /// 3d R40 moderate". See pv_rcnn/evaluation.h for how the benchmark's protocol is applied.
+  std::map<std::string, double> evaluate(const SceneSource& scenes) override;
+
+  /// Writes the network with its head; with further heads each of them into a file of its own
+  /// beside it: model.arbox, model.gaussian.arbox.
+  void save(const std::filesystem::path& path) override;
+
+  const PvRcnnTraineeOptions& options() const { return options_; }
+  detectors::pv_rcnn::Network& detector() { return *network_; }
+  /// Heads by name, network.head first.
+  const std::vector<std::pair<std::string, std::shared_ptr<heads::BoxHead>>>& heads() const {
+    return heads_;
+  }
+
+ private:
+  /// What learns at present: parts with a parameter that requires a gradient.
+  struct Parts {
+    bool first_stage = false, refinement = false, heads = false;
+  };
+  struct Pass;
+  Parts parts() const;
+  pv_rcnn::SceneObjects objects_in_range(std::span<const Scene> scenes) const;
+  void first_stage_terms(Pass& pass) const;
+  void second_stage_terms(Pass& pass, const Step& step);
+  void head_terms(Pass& pass, const Step& step);
+
+  PvRcnnTraineeOptions options_;
+  std::shared_ptr<detectors::pv_rcnn::Network> network_;
+  std::vector<std::pair<std::string, std::shared_ptr<heads::BoxHead>>> heads_;
+  std::unique_ptr<pv_rcnn::AnchorAssigner> assigner_;
+  std::unique_ptr<ObjectDatabase> database_;
+};
+
+}  // namespace arbox::training

@@ -69,6 +69,7 @@ function(arbox_library room)
     "$<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/include>"
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  arbox_precompile(${target} library "${ARG_PUBLIC};${ARG_PRIVATE}")
   set_target_properties(${target} PROPERTIES
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
   arbox_install(${room} ${target} ${ARG_PUBLIC} ${ARG_PRIVATE})
@@ -97,7 +98,8 @@ function(arbox_simd_sources target)
           set(flags "-mavx512f;-mavx512dq;-mavx512bw;-mavx512vl;-mavx2;-mfma;-mprefer-vector-width=512")
         endif()
       endif()
-      set_source_files_properties(${copy} PROPERTIES COMPILE_OPTIONS "${flags}")
+      set_source_files_properties(${copy} PROPERTIES COMPILE_OPTIONS "${flags}"
+        SKIP_PRECOMPILE_HEADERS ON)
     endforeach()
   endforeach()
 endfunction()
@@ -119,6 +121,7 @@ function(arbox_test room name)
   if(TARGET arbox::${room})
     target_link_libraries(${target} PRIVATE arbox::${room})
   endif()
+  arbox_precompile(${target} test "${ARG_LIBS};arbox::${room}")
   gtest_discover_tests(${target} TEST_PREFIX "${room}." DISCOVERY_MODE PRE_TEST
     PROPERTIES LABELS ${room} TIMEOUT ${ARG_TIMEOUT}
     ENVIRONMENT "ARBOX_PROGRAM=${CMAKE_BINARY_DIR}/bin/arbox")

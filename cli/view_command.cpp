@@ -35,10 +35,7 @@ void check(const ViewFlags& flags) {
 drawing::Photo read_photo(const std::string& path, const io::KittiCalibration& calibration) {
   drawing::Photo photo;
   photo.image = drawing::read_image(path);
-  const io::AffineTransform to_camera = calibration.rect_from_lidar();
-  photo.projection.leftCols<3>() = calibration.p2().leftCols<3>() * to_camera.linear();
-  photo.projection.col(3) =
-      calibration.p2().leftCols<3>() * to_camera.translation() + calibration.p2().col(3);
+  photo.projection = io::image_from_lidar(calibration);
   return photo;
 }
 

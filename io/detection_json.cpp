@@ -4,6 +4,7 @@
 
 #include "arbox/base/error.h"
 #include "arbox/io/file.h"
+#include "arbox/io/internal/box_json.h"
 #include "arbox/io/internal/rotation.h"
 #include "arbox/io/json.h"
 
@@ -25,35 +26,6 @@ double finite(double number, const char* field) {
   return number;
 }
 
-Json to_json(const Box& box) {
-  geometry::require_valid(box, "format_detections_json");
-  const auto& q = box.rotation;
-  Json result = {{"center", numbers(box.center)},
-                 {"size", numbers(box.size)},
-                 {"rotation", {q.w(), q.x(), q.y(), q.z()}}};
-  if (geometry::is_yaw_only(box)) result["yaw"] = geometry::yaw(box);
-  return result;
-}
-
-Json detection_to_json(const Detection& detection) {
-  Json result;
-  result["class"] = detection.label;
-  result["score"] = finite(detection.score, "score");
-  result["box"] = to_json(detection.box);
-  if (detection.log_density) result["log_density"] = finite(*detection.log_density, "log_density");
-  for (const auto& [q, box, fallback] : detection.quantile_boxes) {
-    result["quantile_boxes"].push_back(
-        {{"q", finite(q, "q")}, {"box", to_json(box)}, {"fallback", fallback}});
-  }
-  for (const auto& [p, box] : detection.confidence_boxes) {
-    result["confidence_boxes"].push_back({{"p", finite(p, "p")}, {"box", to_json(box)}});
-  }
-  if (detection.uncertainty) result["uncertainty"] = finite(*detection.uncertainty, "uncertainty");
-  if (detection.known_size) result["known_size"] = *detection.known_size;
-  for (const Box& sample : detection.samples) result["samples"].push_back(to_json(sample));
-  return result;
-}
-
 Eigen::Vector3d read_vector(const JsonCursor& value) {
   const auto elements = value.elements();
   if (elements.size() != 3) value.refuse("three numbers");
@@ -69,7 +41,19 @@ geometry::Quaternion read_rotation(const JsonCursor& value) {
                std::to_string(rotation.norm()) + ")");
 }
 
-Box read_box(const JsonCursor& value) {
+}  // namespace
+
+Json internal::box_json(const Box& box) {
+  geometry::require_valid(box, "format_detections_json");
+  const auto& q = box.rotation;
+  Json result = {{"center", numbers(box.center)},
+                 {"size", numbers(box.size)},
+                 {"rotation", {q.w(), q.x(), q.y(), q.z()}}};
+  if (geometry::is_yaw_only(box)) result["yaw"] = geometry::yaw(box);
+  return result;
+}
+
+Box internal::read_box(const JsonCursor& value) {
   value.require_object({"center", "size", "rotation", "yaw"});
   Box box{.center = read_vector(value.at("center")), .size = read_vector(value.at("size"))};
   if ((box.size.array() <= 0.0).any()) value.at("size").refuse("three sizes above zero");
@@ -84,6 +68,30 @@ Box read_box(const JsonCursor& value) {
     }
   }
   return box;
+}
+
+namespace {
+
+using internal::box_json;
+using internal::read_box;
+
+Json detection_to_json(const Detection& detection) {
+  Json result;
+  result["class"] = detection.label;
+  result["score"] = finite(detection.score, "score");
+  result["box"] = box_json(detection.box);
+  if (detection.log_density) result["log_density"] = finite(*detection.log_density, "log_density");
+  for (const auto& [q, box, fallback] : detection.quantile_boxes) {
+    result["quantile_boxes"].push_back(
+        {{"q", finite(q, "q")}, {"box", box_json(box)}, {"fallback", fallback}});
+  }
+  for (const auto& [p, box] : detection.confidence_boxes) {
+    result["confidence_boxes"].push_back({{"p", finite(p, "p")}, {"box", box_json(box)}});
+  }
+  if (detection.uncertainty) result["uncertainty"] = finite(*detection.uncertainty, "uncertainty");
+  if (detection.known_size) result["known_size"] = *detection.known_size;
+  for (const Box& sample : detection.samples) result["samples"].push_back(box_json(sample));
+  return result;
 }
 
 Detection read_detection(const JsonCursor& value) {
@@ -140,7 +148,7 @@ ScanDetections read_scan(const JsonCursor& value) {
 
 }  // namespace
 
-std::string format_box_json(const geometry::Box& box) { return dump_json(to_json(box), -1); }
+std::string format_box_json(const geometry::Box& box) { return dump_json(box_json(box), -1); }
 
 geometry::Box parse_box_json(std::string_view text, std::string_view source) {
   const auto values = parse_json_values(text, source);

@@ -80,6 +80,13 @@ void JsonCursor::require_object(const std::vector<std::string_view>& known) cons
   }
 }
 
+std::vector<std::string> JsonCursor::keys() const {
+  require_object();
+  std::vector<std::string> names;
+  for (auto item = value_->begin(); item != value_->end(); ++item) names.push_back(item.key());
+  return names;
+}
+
 JsonCursor JsonCursor::at(const char* key) const {
   const auto found = value_->find(key);
   if (found == value_->end()) {

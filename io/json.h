@@ -27,11 +27,16 @@ class JsonCursor {
   /// Refuses the value unless it is an object whose keys are all among `known`.
   void require_object(const std::vector<std::string_view>& known) const;
   bool has(const char* key) const { return value_->contains(key); }
+  /// The keys of an object in their order; refuses what is none.
+  std::vector<std::string> keys() const;
+  /// The file and the keys that lead here, for messages.
+  const std::string& place() const { return place_; }
   /// The member of that name; refuses the object if it has none.
   JsonCursor at(const char* key) const;
   /// The elements; refuses what is not an array.
   std::vector<JsonCursor> elements() const;
 
+  bool is_null() const { return value_->is_null(); }
   /// The value itself; each refuses a value of another type.
   double number() const;
   bool boolean() const;

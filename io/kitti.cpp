@@ -185,7 +185,7 @@ std::vector<KittiObject> to_kitti_results(std::span<const Detection> detections)
 std::vector<std::size_t> points_in_image(const geometry::PointCloudView& cloud,
                                          const KittiCalibration& calibration,
                                          const ImageSize& image) {
-  const Projection pixels_from_lidar = calibration.p2() * calibration.rect_from_lidar().matrix();
+  const Projection pixels_from_lidar = image_from_lidar(calibration);
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3d pixel =

@@ -118,6 +118,14 @@ AffineTransform KittiCalibration::rect_from_lidar() const {
 
 AffineTransform KittiCalibration::lidar_from_rect() const { return rect_from_lidar().inverse(); }
 
+Projection image_from_lidar(const KittiCalibration& calibration) {
+  const AffineTransform to_camera = calibration.rect_from_lidar();
+  Projection result;
+  result.leftCols<3>() = calibration.p2().leftCols<3>() * to_camera.linear();
+  result.col(3) = calibration.p2().leftCols<3>() * to_camera.translation() + calibration.p2().col(3);
+  return result;
+}
+
 KittiCalibration parse_kitti_calibration(std::string_view text, std::string_view source) {
   const auto entries = read_entries(text, source);
   KittiCalibration calibration;

@@ -37,6 +37,9 @@ struct KittiCalibration {
   AffineTransform lidar_from_rect() const;
 };
 
+/// From the LiDAR frame to pixels of the left colour image: P2 * rect_from_lidar().
+Projection image_from_lidar(const KittiCalibration& calibration);
+
 /// Reads lines "NAME: numbers" in any order; names are looked up, never counted. P2, R0_rect and
 /// Tr_velo_to_cam are required (the tracking benchmark's R_rect and Tr_velo_cam are taken too);
 /// P0, P1, P3 and Tr_imu_to_velo may be missing, other names are passed over.

@@ -17,6 +17,7 @@ using internal::TextPlace;
 
 constexpr std::string_view kDontCare = "DontCare";
 constexpr std::size_t kLabelFields = 15;
+constexpr int kResultDecimals = 4;
 constexpr std::array<std::string_view, 16> kFieldNames = {
     "type",   "truncation", "occlusion", "alpha", "left", "top", "right",      "bottom",
     "height", "width",      "length",    "x",     "y",    "z",   "rotation_y", "score"};
@@ -110,12 +111,11 @@ std::vector<KittiObject> parse_objects(std::string_view text, std::string_view s
   return objects;
 }
 
-void append_object(std::string& text, const KittiObject& object, LineKind kind) {
+void append_object(std::string& text, const KittiObject& object, LineKind kind, int decimals) {
   if (object.type.empty() || object.type.find_first_of(" \t\r\n\v\f") != std::string::npos) {
     throw InvalidArgument("format_kitti: a type must be a word without white space, got " +
                           quoted_text(object.type));
   }
-  const int decimals = kind == LineKind::kLabel ? 2 : 4;
   const auto append = [&](double number, int digits) {
     if (!std::isfinite(number)) {
       throw InvalidArgument("format_kitti: a number of an object of type " + object.type +
@@ -142,9 +142,9 @@ void append_object(std::string& text, const KittiObject& object, LineKind kind) 
   text += '\n';
 }
 
-std::string format_objects(std::span<const KittiObject> objects, LineKind kind) {
+std::string format_objects(std::span<const KittiObject> objects, LineKind kind, int decimals) {
   std::string text;
-  for (const KittiObject& object : objects) append_object(text, object, kind);
+  for (const KittiObject& object : objects) append_object(text, object, kind, decimals);
   return text;
 }
 
@@ -170,12 +170,12 @@ std::vector<KittiObject> read_kitti_results(const std::filesystem::path& path) {
   return parse_kitti_results(read_file(path), path.string());
 }
 
-std::string format_kitti_labels(std::span<const KittiObject> objects) {
-  return format_objects(objects, LineKind::kLabel);
+std::string format_kitti_labels(std::span<const KittiObject> objects, int decimals) {
+  return format_objects(objects, LineKind::kLabel, decimals);
 }
 
 std::string format_kitti_results(std::span<const KittiObject> objects) {
-  return format_objects(objects, LineKind::kResult);
+  return format_objects(objects, LineKind::kResult, kResultDecimals);
 }
 
 }  // namespace arbox::io

@@ -1,0 +1,115 @@
+#include "arbox/io/dataset.h"
+
+#include <algorithm>
+#include <array>
+
+#include "arbox/base/error.h"
+#include "arbox/base/options.h"
+#include "arbox/io/internal/dataset_layouts.h"
+#include "arbox/io/internal/text.h"
+
+namespace arbox::io {
+namespace {
+
+using namespace internal;
+
+struct Layout {
+  std::string_view name;
+  /// What its folder has, for people.
+  std::string_view signs;
+  bool (*fits)(const Folder&);
+  Reader (*open)(const Folder&, const DatasetOptions&);
+  Writer (*create)(const NewDataset&);
+};
+
+// A folder takes the first layout that fits.
+constexpr std::array kLayouts = {
+    Layout{"kitti", "training/ or testing/ with velodyne/, label_2/, calib/", fits_kitti,
+           open_kitti, create_kitti},
+    Layout{"scannet-votenet", "SCENE_vert.npy and SCENE_bbox.npy", fits_scannet_votenet,
+           open_scannet_votenet, create_scannet_votenet},
+    Layout{"scannet", "scans/SCENE/SCENE_vh_clean_2.ply", fits_scannet_raw, open_scannet_raw,
+           nullptr},
+    Layout{"sunrgbd", "depth/, calib/ and label/", fits_sunrgbd, open_sunrgbd, create_sunrgbd},
+    Layout{"sunrgbd-votenet", "SCENE_pc.npz and SCENE_bbox.npy", fits_sunrgbd_votenet,
+           open_sunrgbd_votenet, create_sunrgbd_votenet},
+    Layout{"sunrgbd-toolbox", "SUNRGBDMeta3DBB_v2.mat", fits_sunrgbd_toolbox, open_sunrgbd_toolbox,
+           nullptr},
+    Layout{"arbox", "dataset.json, or points/ and labels/", fits_arbox, open_arbox, create_arbox}};
+
+const Layout& layout_named(std::string_view name) {
+  for (const Layout& layout : kLayouts) {
+    if (layout.name == name) return layout;
+  }
+  throw InvalidArgument("dataset layout: expected one of " + joined(dataset_layouts(), ", ") +
+                        ", got " + quoted_text(name));
+}
+
+void require_folder(const Folder& root) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(root, ignored)) return;
+  throw IoError(root.string() + ": expected the folder of a dataset, got " +
+                (std::filesystem::exists(root, ignored) ? "a file" : "no such folder"));
+}
+
+const Layout& layout_of(const Folder& root) {
+  require_folder(root);
+  for (const Layout& layout : kLayouts) {
+    if (layout.fits(root)) return layout;
+  }
+  std::string known;
+  for (const Layout& layout : kLayouts) {
+    known.append(known.empty() ? "" : "; ").append(layout.name).append(": ").append(layout.signs);
+  }
+  throw FormatError(root.string() + ": looks like no dataset that is known (" + known +
+                    "); say which with the option layout, or give its parent folder");
+}
+
+}  // namespace
+
+DatasetReader::~DatasetReader() = default;
+DatasetWriter::~DatasetWriter() = default;
+
+std::vector<std::string> dataset_layouts() {
+  std::vector<std::string> names;
+  for (const Layout& layout : kLayouts) names.emplace_back(layout.name);
+  return names;
+}
+
+std::vector<std::string> writable_layouts() {
+  std::vector<std::string> names;
+  for (const Layout& layout : kLayouts) {
+    if (layout.create != nullptr) names.emplace_back(layout.name);
+  }
+  return names;
+}
+
+std::string guess_layout(const std::filesystem::path& root) {
+  return std::string(layout_of(root).name);
+}
+
+std::unique_ptr<DatasetReader> open_dataset(const std::filesystem::path& root,
+                                            const DatasetOptions& options) {
+  validate_options(options, "open_dataset");
+  require_folder(root);
+  const Layout& layout = options.layout.empty() ? layout_of(root) : layout_named(options.layout);
+  return layout.open(root, options);
+}
+
+std::unique_ptr<DatasetWriter> create_dataset(const std::filesystem::path& root,
+                                              const std::string& layout, SceneFrame frame,
+                                              const std::vector<std::string>& classes) {
+  const auto writable = writable_layouts();
+  if (std::find(writable.begin(), writable.end(), layout) == writable.end()) {
+    throw InvalidArgument("create_dataset: expected one of the layouts " + joined(writable, ", ") +
+                          ", got " + quoted_text(layout));
+  }
+  std::error_code ignored;
+  if (std::filesystem::exists(root, ignored) && !std::filesystem::is_empty(root, ignored)) {
+    throw IoError(root.string() + ": expected a new or empty folder to write a dataset into");
+  }
+  make_folder(root);
+  return layout_named(layout).create({root, frame, classes});
+}
+
+}  // namespace arbox::io

@@ -54,7 +54,8 @@ DatasetDescription parse_dataset_description(std::string_view text, std::string_
   const auto values = parse_json_values(text, source);
   const JsonCursor root = only_object(values, source);
   root.require_object({"format", "version", "frame", "classes", "class_map", "columns"});
-  if (root.at("format").text() != kFormat) root.at("format").refuse("'" + std::string(kFormat) + "'");
+  if (root.at("format").text() != kFormat)
+    root.at("format").refuse("'" + std::string(kFormat) + "'");
   if (root.at("version").number() != kVersion) root.at("version").refuse("version 1");
   DatasetDescription result;
   if (root.has("frame")) result.frame = read_frame(root.at("frame"));

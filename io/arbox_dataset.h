@@ -61,10 +61,10 @@ struct InitReport {
   std::vector<std::string> classes;
 };
 
-/// Prepares a folder: makes what is missing of the layout. Without classes in `description` those of
-/// the labels go into dataset.json, the most frequent first. If there are scans and no splits, every
-/// fifth goes to splits/val.txt and the others to splits/train.txt. Files that exist are never
-/// changed. Throws IoError, FormatError for label files that cannot be read.
+/// Prepares a folder: makes what is missing of the layout. Without classes in `description` those
+/// of the labels go into dataset.json, the most frequent first. If there are scans and no splits,
+/// every fifth goes to splits/val.txt and the others to splits/train.txt. Files that exist are
+/// never changed. Throws IoError, FormatError for label files that cannot be read.
 InitReport init_dataset(const std::filesystem::path& root, const DatasetDescription& description);
 
 }  // namespace arbox::io

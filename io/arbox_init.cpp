@@ -37,9 +37,8 @@ std::vector<std::string> count_classes(const fs::path& folder, std::size_t& file
   }
   std::vector<std::string> classes;
   for (const auto& [name, count] : counts) classes.push_back(name);
-  std::stable_sort(classes.begin(), classes.end(), [&](const auto& a, const auto& b) {
-    return counts[a] > counts[b];
-  });
+  std::stable_sort(classes.begin(), classes.end(),
+                   [&](const auto& a, const auto& b) { return counts[a] > counts[b]; });
   return classes;
 }
 

@@ -80,8 +80,7 @@ class ArboxReader : public ListedDataset {
     }
     LabeledScene scene{
         .name = std::string(name), .source = cloud->second, .frame = description_.frame};
-    scene.cloud =
-        read_point_cloud(cloud->second, {.channels = columns_of(cloud->second)}).points;
+    scene.cloud = read_point_cloud(cloud->second, {.channels = columns_of(cloud->second)}).points;
     read_labels(scene);
     read_camera(scene);
     return scene;
@@ -185,8 +184,9 @@ class ArboxWriter : public AccountingWriter {
     write_file(root() / "images" / (scene.name + scene.photo->path.extension().string()),
                read_file(scene.photo->path));
     write_file(root() / "calib" / (scene.name + (scene.calibration ? ".txt" : ".json")),
-               scene.calibration ? format_kitti_calibration(*scene.calibration)
-                                 : format_camera_json({scene.photo->projection, scene.photo->size}));
+               scene.calibration
+                   ? format_kitti_calibration(*scene.calibration)
+                   : format_camera_json({scene.photo->projection, scene.photo->size}));
   }
 
   void write_rest() override {

@@ -109,9 +109,9 @@ struct WriteReport {
 class DatasetWriter {
  public:
   virtual ~DatasetWriter();
-  /// Adds a scene, which is brought into the dataset's frame, to a split. Throws InvalidArgument for
-  /// a name that came before or cannot be a file's, and for invalid boxes, naming scene and object;
-  /// IoError. Thread-safe.
+  /// Adds a scene, which is brought into the dataset's frame, to a split. Throws InvalidArgument
+  /// for a name that came before or cannot be a file's, and for invalid boxes, naming scene and
+  /// object; IoError. Thread-safe.
   virtual void add(const std::string& split, const LabeledScene& scene) = 0;
   /// Writes what stands once for all scenes (split lists, infos). Called once, after the last add.
   virtual WriteReport finish() = 0;

@@ -122,7 +122,8 @@ Projection image_from_lidar(const KittiCalibration& calibration) {
   const AffineTransform to_camera = calibration.rect_from_lidar();
   Projection result;
   result.leftCols<3>() = calibration.p2().leftCols<3>() * to_camera.linear();
-  result.col(3) = calibration.p2().leftCols<3>() * to_camera.translation() + calibration.p2().col(3);
+  result.col(3) =
+      calibration.p2().leftCols<3>() * to_camera.translation() + calibration.p2().col(3);
   return result;
 }
 

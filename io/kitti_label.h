@@ -38,8 +38,8 @@ std::vector<KittiObject> parse_kitti_results(std::string_view text, std::string_
 std::vector<KittiObject> read_kitti_labels(const std::filesystem::path& path);
 std::vector<KittiObject> read_kitti_results(const std::filesystem::path& path);
 
-/// Label lines, with two decimals as the benchmark's own files have unless told otherwise. Throws InvalidArgument for
-/// types that are empty or hold white space, and numbers that are not finite.
+/// Label lines, with two decimals as the benchmark's own files have unless told otherwise. Throws
+/// InvalidArgument for types that are empty or hold white space, and numbers that are not finite.
 std::string format_kitti_labels(std::span<const KittiObject> objects, int decimals = 2);
 
 /// Result lines with four decimals (six of the score). Throws as format_kitti_labels.

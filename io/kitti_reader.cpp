@@ -96,8 +96,8 @@ KittiObject to_label(const LabeledObject& labeled, const KittiCalibration& calib
   KittiObject object = to_kitti_object(labeled.box, calibration);
   object.type = labeled.label;
   std::replace_if(
-      object.type.begin(), object.type.end(),
-      [](unsigned char letter) { return letter <= ' '; }, '_');
+      object.type.begin(), object.type.end(), [](unsigned char letter) { return letter <= ' '; },
+      '_');
   object.truncation = std::clamp(attribute(labeled, "truncation", 0.0), 0.0, 1.0);
   object.occlusion =
       static_cast<int>(std::clamp(std::round(attribute(labeled, "occlusion", 0.0)), 0.0, 3.0));

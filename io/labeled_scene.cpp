@@ -139,8 +139,7 @@ geometry::PointCloud to_cloud(const RgbdImages& images) {
   for (const std::int32_t pixel : pixels) {
     const Eigen::Vector3d ray =
         inverse * Eigen::Vector3d(pixel % images.width, pixel / images.width, 1.0);
-    const Eigen::Vector3f point =
-        (ray * static_cast<double>(images.depth[pixel])).cast<float>();
+    const Eigen::Vector3f point = (ray * static_cast<double>(images.depth[pixel])).cast<float>();
     cloud.values.insert(cloud.values.end(), {point.x(), point.y(), point.z()});
     const std::size_t at = 3 * static_cast<std::size_t>(pixel);
     for (std::size_t c = 0; c < 3 && !images.rgb.empty(); ++c) {

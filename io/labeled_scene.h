@@ -103,10 +103,10 @@ struct LabeledScene {
   std::optional<KittiCalibration> calibration = {};
 };
 
-/// The scene in another frame of docs/conventions.md: x y z of `room` (x right, y forward, z up) are
-/// -y x z of `lidar` and x z -y of `camera`. Points, normals, boxes and the photo's projection are
-/// turned; a KITTI calibration, which is of the LiDAR frame, is dropped, and so are `images` unless
-/// the frame stays.
+/// The scene in another frame of docs/conventions.md: x y z of `room` (x right, y forward, z up)
+/// are -y x z of `lidar` and x z -y of `camera`. Points, normals, boxes and the photo's projection
+/// are turned; a KITTI calibration, which is of the LiDAR frame, is dropped, and so are `images`
+/// unless the frame stays.
 LabeledScene converted(const LabeledScene& scene, SceneFrame frame);
 
 /// Indices of the points in each box grown by `margin` metres on every side, ascending. Points that

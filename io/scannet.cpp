@@ -178,8 +178,7 @@ Eigen::Matrix4d parse_scannet_alignment(std::string_view text, std::string_view 
   return matrix;
 }
 
-std::map<std::string, int> parse_scannet_label_map(std::string_view text,
-                                                   std::string_view source) {
+std::map<std::string, int> parse_scannet_label_map(std::string_view text, std::string_view source) {
   internal::LineReader lines(text, source);
   if (!lines.next_filled()) {
     internal::refuse(lines.place(), "a table with the columns raw_category and nyu40id",

@@ -44,16 +44,15 @@ struct ScanNetGroup {
 
 /// Reads SCENE.aggregation.json or SCENE_vh_clean.aggregation.json (key segGroups). Throws
 /// FormatError.
-std::vector<ScanNetGroup> parse_scannet_aggregation(std::string_view text,
-                                                    std::string_view source);
+std::vector<ScanNetGroup> parse_scannet_aggregation(std::string_view text, std::string_view source);
 
 /// Reads SCENE_vh_clean_2.0.010000.segs.json: the segment of each vertex (key segIndices). Throws
 /// FormatError. Memory: 8 bytes a vertex.
 std::vector<std::int64_t> parse_scannet_segments(std::string_view text, std::string_view source);
 
-/// Reads the line `axisAlignment = ` (16 numbers, rows first) of SCENE.txt: from the scan's frame to
-/// the aligned one. Identity if there is no such line. Throws FormatError for other counts, numbers
-/// that are not finite and matrices that are no rigid motion within 1e-3.
+/// Reads the line `axisAlignment = ` (16 numbers, rows first) of SCENE.txt: from the scan's frame
+/// to the aligned one. Identity if there is no such line. Throws FormatError for other counts,
+/// numbers that are not finite and matrices that are no rigid motion within 1e-3.
 Eigen::Matrix4d parse_scannet_alignment(std::string_view text, std::string_view source);
 
 /// Reads scannetv2-labels.combined.tsv: raw_category to nyu40id. Throws FormatError for a missing

@@ -27,13 +27,14 @@ constexpr std::array<ScanNetClass, 18> kClasses = {{{"cabinet", 3},
 // The ids that are no class of the benchmark, too; 39 is NYU40's "otherfurniture", which ScanNet's
 // benchmark calls garbagebin.
 constexpr std::array<std::string_view, 40> kNyu40 = {
-    "wall",        "floor",   "cabinet", "bed",        "chair",          "sofa",
-    "table",       "door",    "window",  "bookshelf",  "picture",        "counter",
-    "blinds",      "desk",    "shelves", "curtain",    "dresser",        "pillow",
-    "mirror",      "floormat", "clothes", "ceiling",    "books",          "refrigerator",
-    "television",  "paper",   "towel",   "showercurtrain", "box",        "whiteboard",
-    "person",      "nightstand", "toilet", "sink",     "lamp",           "bathtub",
-    "bag",         "otherstructure", "garbagebin", "otherprop"};
+    "wall",    "floor",      "cabinet",        "bed",          "chair",
+    "sofa",    "table",      "door",           "window",       "bookshelf",
+    "picture", "counter",    "blinds",         "desk",         "shelves",
+    "curtain", "dresser",    "pillow",         "mirror",       "floormat",
+    "clothes", "ceiling",    "books",          "refrigerator", "television",
+    "paper",   "towel",      "showercurtrain", "box",          "whiteboard",
+    "person",  "nightstand", "toilet",         "sink",         "lamp",
+    "bathtub", "bag",        "otherstructure", "garbagebin",   "otherprop"};
 
 }  // namespace
 

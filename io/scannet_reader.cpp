@@ -40,8 +40,8 @@ bool is_scene(const fs::path& folder) {
 
 /// The first of several places that has a file.
 fs::path find_beside(const Folder& root, const std::string& name) {
-  for (const fs::path& folder : {root, root / "meta_data", root.parent_path(),
-                                 root.parent_path() / "meta_data"}) {
+  for (const fs::path& folder :
+       {root, root / "meta_data", root.parent_path(), root.parent_path() / "meta_data"}) {
     if (fs::exists(folder / name)) return folder / name;
   }
   return {};
@@ -126,7 +126,8 @@ class ScanNetReader : public ListedDataset {
   }
 
  private:
-  void label(LabeledScene& scene, const fs::path& groups_file, const fs::path& segments_file) const {
+  void label(LabeledScene& scene, const fs::path& groups_file,
+             const fs::path& segments_file) const {
     const auto groups = parse_scannet_aggregation(read_file(groups_file), groups_file.string());
     const auto segments = parse_scannet_segments(read_file(segments_file), segments_file.string());
     if (segments.size() != scene.cloud.size()) {

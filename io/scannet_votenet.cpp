@@ -56,7 +56,8 @@ std::vector<LabeledObject> read_boxes(const fs::path& path) {
     object.heading = Heading::kUnknown;
     object.attributes["nyu40"] = row[6];
     const std::string place = path.string() + ": row " + std::to_string(i / kBoxColumns);
-    if (object.label.empty()) throw FormatError(place + ": expected an NYU40 id of 1..40 at its end");
+    if (object.label.empty())
+      throw FormatError(place + ": expected an NYU40 id of 1..40 at its end");
     try {
       geometry::require_valid(object.box, place);
     } catch (const InvalidArgument& error) {
@@ -85,8 +86,7 @@ std::map<std::int32_t, std::int32_t> match_instances(const LabeledScene& scene,
       const Eigen::AlignedBox3d box(object.box.center - half, object.box.center + half);
       const double slack =
           std::max((box.min() - hull.min()).maxCoeff(), (hull.max() - box.max()).maxCoeff());
-      const double distance =
-          (hull.min() - box.min()).norm() + (box.max() - hull.max()).norm();
+      const double distance = (hull.min() - box.min()).norm() + (box.max() - hull.max()).norm();
       if (slack > kRounding || distance >= best) continue;
       best = distance;
       result[key.first] = static_cast<std::int32_t>(o);

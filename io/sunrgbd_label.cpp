@@ -163,8 +163,7 @@ std::string format_sunrgbd_calibration(const SunRgbdCalibration& calibration) {
 
 Projection projection_of(const SunRgbdCalibration& calibration) {
   Projection result = Projection::Zero();
-  result.leftCols<3>() =
-      calibration.intrinsic * camera_axes() * calibration.tilt.transpose();
+  result.leftCols<3>() = calibration.intrinsic * camera_axes() * calibration.tilt.transpose();
   return result;
 }
 

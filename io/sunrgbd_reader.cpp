@@ -81,8 +81,8 @@ class SunRgbdReader : public ListedDataset {
     const fs::path image = first_file(root() / "image", scene.name, kImages);
     if (image.empty() || !fs::exists(calibration)) return;
     scene.photo = {.path = image,
-                   .projection = projection_of(parse_sunrgbd_calibration(
-                       read_file(calibration), calibration.string()))};
+                   .projection = projection_of(
+                       parse_sunrgbd_calibration(read_file(calibration), calibration.string()))};
   }
 
   std::string labels_;
@@ -113,8 +113,7 @@ class SunRgbdWriter : public AccountingWriter {
     if (!calibration) return;
     write_file(file("calib", ".txt"), format_sunrgbd_calibration(*calibration));
     make_folder(root() / "image");
-    write_file(file("image", scene.photo->path.extension().string()),
-               read_file(scene.photo->path));
+    write_file(file("image", scene.photo->path.extension().string()), read_file(scene.photo->path));
   }
 
   void write_rest() override { write_lists(root(), "", "_data_idx.txt"); }

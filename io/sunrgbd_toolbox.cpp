@@ -3,8 +3,8 @@
 #include <map>
 
 #include "arbox/base/error.h"
-#include "arbox/io/internal/dataset_layouts.h"
 #include "arbox/io/internal/colored_rows.h"
+#include "arbox/io/internal/dataset_layouts.h"
 #include "arbox/io/internal/mat_access.h"
 #include "arbox/io/internal/mat_file.h"
 #include "arbox/io/internal/text.h"
@@ -138,8 +138,8 @@ SunRgbdAnnotation read_annotation(const MatStruct& item, std::size_t number) {
   if (objects == nullptr) return result;
   if (objects->class_type != MAT_C_STRUCT) item.refuse("groundtruth3DBB", "structs");
   for (std::size_t i = 0; i < count_of(*objects); ++i) {
-    const MatStruct object(objects, i, item.place() + ".groundtruth3DBB(" + std::to_string(i + 1) +
-                                           ")");
+    const MatStruct object(objects, i,
+                           item.place() + ".groundtruth3DBB(" + std::to_string(i + 1) + ")");
     if (auto read = read_object(object)) result.objects.push_back(std::move(*read));
   }
   return result;
@@ -208,8 +208,7 @@ class ToolboxReader : public ListedDataset {
   LabeledScene load(std::string_view split, std::string_view name) const override {
     require_scene(split, name);
     const SunRgbdAnnotation& annotation = annotations_.at(std::string(name));
-    LabeledScene scene{
-        .name = std::string(name), .source = source_, .frame = SceneFrame::kRoom};
+    LabeledScene scene{.name = std::string(name), .source = source_, .frame = SceneFrame::kRoom};
     const auto known = sunrgbd_class_names();
     for (const LabeledObject& object : annotation.objects) {
       if (all_classes_ || std::find(known.begin(), known.end(), object.label) != known.end()) {

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "arbox/base/error.h"
+#include "arbox/io/file.h"
 #include "arbox/io/internal/colored_rows.h"
 #include "arbox/io/internal/dataset_layouts.h"
-#include "arbox/io/file.h"
 #include "arbox/io/npy.h"
 #include "arbox/io/npz.h"
 #include "arbox/io/sunrgbd.h"
@@ -114,8 +114,8 @@ class SunVotenetReader : public ListedDataset {
     }
     const std::vector<double> rows = array.values<double>();
     for (std::size_t i = 0; i < rows.size(); i += kBoxColumns) {
-      scene.objects.push_back(read_box(
-          rows.data() + i, path.string() + ": row " + std::to_string(i / kBoxColumns)));
+      scene.objects.push_back(
+          read_box(rows.data() + i, path.string() + ": row " + std::to_string(i / kBoxColumns)));
     }
   }
 

@@ -38,9 +38,11 @@ bool fit_box(LabeledObject& object, BoxForm form) {
 
 void require_consistent(const LabeledScene& scene) {
   const auto objects = static_cast<std::int32_t>(scene.objects.size());
-  const bool sized = scene.point_objects.empty() || scene.point_objects.size() == scene.cloud.size();
-  if (!sized || std::any_of(scene.point_objects.begin(), scene.point_objects.end(),
-                            [&](std::int32_t object) { return object < -1 || object >= objects; })) {
+  const bool sized =
+      scene.point_objects.empty() || scene.point_objects.size() == scene.cloud.size();
+  if (!sized ||
+      std::any_of(scene.point_objects.begin(), scene.point_objects.end(),
+                  [&](std::int32_t object) { return object < -1 || object >= objects; })) {
     throw InvalidArgument("scene " + quoted_text(scene.name) +
                           ": expected for each point -1 or one of its " + std::to_string(objects) +
                           " objects in point_objects");
@@ -48,8 +50,9 @@ void require_consistent(const LabeledScene& scene) {
   if (!scene.images) return;
   for (const auto* masks : {&scene.images->visible_masks, &scene.images->amodal_masks}) {
     if (!masks->empty() && masks->size() != scene.objects.size()) {
-      throw InvalidArgument("scene " + quoted_text(scene.name) + ": expected one mask an object, got " +
-                            std::to_string(masks->size()) + " for " + std::to_string(objects));
+      throw InvalidArgument("scene " + quoted_text(scene.name) +
+                            ": expected one mask an object, got " + std::to_string(masks->size()) +
+                            " for " + std::to_string(objects));
     }
   }
 }

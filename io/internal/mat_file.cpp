@@ -35,7 +35,8 @@ MatFile open_mat(const std::filesystem::path& path) {
   }();
   static_cast<void>(silent);
   MatFile file(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
-  if (!file) throw FormatError(path.string() + ": expected a MATLAB 5.0 MAT-file, got a broken one");
+  if (!file)
+    throw FormatError(path.string() + ": expected a MATLAB 5.0 MAT-file, got a broken one");
   return file;
 }
 
@@ -81,7 +82,8 @@ MatMatrix read_mat_matrix(const std::filesystem::path& path, const std::string& 
   }
   if (matrix.rows * matrix.columns == 0) return matrix;
   if (Mat_VarReadDataAll(file.get(), variable.get()) != 0 || variable->data == nullptr ||
-      variable->nbytes < matrix.rows * matrix.columns * static_cast<std::size_t>(variable->data_size)) {
+      variable->nbytes <
+          matrix.rows * matrix.columns * static_cast<std::size_t>(variable->data_size)) {
     throw FormatError(path.string() + ": the data of '" + name + "' are broken");
   }
   matrix.values.reserve(matrix.rows * matrix.columns);
@@ -111,8 +113,7 @@ void write_mat_matrix(const std::filesystem::path& path, const std::string& name
     std::size_t sizes[2] = {matrix.rows, matrix.columns};
     const MatVariable variable(Mat_VarCreate(name.c_str(), MAT_C_SINGLE, MAT_T_SINGLE, 2, sizes,
                                              columns.data(), MAT_F_DONT_COPY_DATA));
-    if (!file || !variable ||
-        Mat_VarWrite(file.get(), variable.get(), MAT_COMPRESSION_ZLIB) != 0) {
+    if (!file || !variable || Mat_VarWrite(file.get(), variable.get(), MAT_COMPRESSION_ZLIB) != 0) {
       std::error_code ignored;
       std::filesystem::remove(beside, ignored);
       throw IoError(path.string() + ": cannot be written");

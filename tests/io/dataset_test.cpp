@@ -84,9 +84,9 @@ TEST(Dataset, InitMakesTheFolderAndReadsWhatIsThere) {
   EXPECT_EQ(io::open_dataset(root)->frame(), io::SceneFrame::kRoom);
   for (int i = 0; i < 10; ++i) {
     folder.write("new/points/s" + std::to_string(i) + ".csv", "1,2,3\n");
-    folder.write("new/labels/s" + std::to_string(i) + ".txt",
-                 i % 2 == 0 ? "0 0 0 1 1 1 0 rare\n0 0 0 1 1 1 0 often\n"
-                            : "0 0 0 1 1 1 0 often\n");
+    folder.write(
+        "new/labels/s" + std::to_string(i) + ".txt",
+        i % 2 == 0 ? "0 0 0 1 1 1 0 rare\n0 0 0 1 1 1 0 often\n" : "0 0 0 1 1 1 0 often\n");
   }
   std::filesystem::remove(root / "dataset.json");
   report = io::init_dataset(root, {});
@@ -169,12 +169,21 @@ INSTANTIATE_TEST_SUITE_P(
         RoundTrip{"arbox", io::SceneFrame::kLidar, {"Car", "Dog"}, testing::MadeBoxes::kAny, 1e-12},
         RoundTrip{"arbox", io::SceneFrame::kRoom, {"chair"}, testing::MadeBoxes::kAny, 1e-12},
         RoundTrip{"kitti", io::SceneFrame::kLidar, {"Car"}, testing::MadeBoxes::kUpright, 3e-4},
-        RoundTrip{"sunrgbd", io::SceneFrame::kRoom, {"chair", "lamp"},
-                  testing::MadeBoxes::kUpright, 1e-8},
-        RoundTrip{"sunrgbd-votenet", io::SceneFrame::kRoom, {"chair", "bed"},
-                  testing::MadeBoxes::kUpright, 1e-12},
-        RoundTrip{"scannet-votenet", io::SceneFrame::kRoom, {"chair", "bed"},
-                  testing::MadeBoxes::kAxisAligned, 1e-12}),
+        RoundTrip{"sunrgbd",
+                  io::SceneFrame::kRoom,
+                  {"chair", "lamp"},
+                  testing::MadeBoxes::kUpright,
+                  1e-8},
+        RoundTrip{"sunrgbd-votenet",
+                  io::SceneFrame::kRoom,
+                  {"chair", "bed"},
+                  testing::MadeBoxes::kUpright,
+                  1e-12},
+        RoundTrip{"scannet-votenet",
+                  io::SceneFrame::kRoom,
+                  {"chair", "bed"},
+                  testing::MadeBoxes::kAxisAligned,
+                  1e-12}),
     [](const auto& entry) {
       std::string name = entry.param.layout + std::string(io::name_of(entry.param.frame));
       std::erase(name, '-');
@@ -183,8 +192,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Dataset, WritersFitWhatALayoutCannotHold) {
   const TemporaryDirectory folder;
-  auto scene = made_scene("a", 3, io::SceneFrame::kRoom, {"chair", "unicorn"},
-                          testing::MadeBoxes::kAny);
+  auto scene =
+      made_scene("a", 3, io::SceneFrame::kRoom, {"chair", "unicorn"}, testing::MadeBoxes::kAny);
   const auto writer = io::create_dataset(folder / "out", "scannet-votenet");
   writer->add("train", scene);
   const auto report = writer->finish();

@@ -32,8 +32,7 @@ TEST(LabelFile, JsonRoundTrips) {
        .heading = io::Heading::kHalfKnown,
        .attributes = {{"id", 7}, {"visible", 0.25}}},
       {.label = "Car", .box = geometry::make_yaw_box({0, 0, 0}, {4, 2, 1}, 0.3)}};
-  const auto file =
-      parse_label_json(io::format_label_json(objects, io::SceneFrame::kCamera), "t");
+  const auto file = parse_label_json(io::format_label_json(objects, io::SceneFrame::kCamera), "t");
   EXPECT_EQ(file.frame, io::SceneFrame::kCamera);
   ASSERT_EQ(file.objects.size(), 2u);
   EXPECT_EQ(file.objects[0].label, objects[0].label);
@@ -41,8 +40,8 @@ TEST(LabelFile, JsonRoundTrips) {
   EXPECT_EQ(file.objects[0].heading, io::Heading::kHalfKnown);
   EXPECT_EQ(file.objects[0].attributes, objects[0].attributes);
   EXPECT_EQ(file.objects[1].box.size, objects[1].box.size);
-  EXPECT_TRUE(parse_label_json(io::format_label_json({}, io::SceneFrame::kRoom), "t")
-                  .objects.empty());
+  EXPECT_TRUE(
+      parse_label_json(io::format_label_json({}, io::SceneFrame::kRoom), "t").objects.empty());
 }
 
 TEST(LabelFile, WhatDetectWroteIsALabelFile) {
@@ -57,9 +56,8 @@ TEST(LabelFile, RefusesWithPlaceAndMend) {
   expect_refusal([] { parse_label_text("1 2 3 4 2 1.5 Car\n", "t"); }, {"t:1", "8 fields", "7"});
   expect_refusal([] { parse_label_text("1 2 3 4 0 1.5 0 Car\n", "t"); }, {"width", "'0'"});
   expect_refusal([] { parse_label_text("1 2 nan 4 2 1.5 0 Car\n", "t"); }, {"t:1", "z", "nan"});
-  expect_refusal(
-      [] { parse_label_text("Car 0 0 0 1 2 3 4 1.5 1.7 4.2 -2 1.7 20 1.1\n", "t"); },
-      {"15 fields", "KITTI"});
+  expect_refusal([] { parse_label_text("Car 0 0 0 1 2 3 4 1.5 1.7 4.2 -2 1.7 20 1.1\n", "t"); },
+                 {"15 fields", "KITTI"});
   expect_refusal([] { parse_label_json("[]", "t"); }, {"t", "objects"});
   expect_refusal([] { parse_label_json(R"({"objects": [{"class": "a"}]})", "t"); },
                  {"t: /objects/0", "box"});
@@ -79,8 +77,8 @@ TEST(DatasetDescription, RoundTripsAndRefusesUnknownKeys) {
   EXPECT_EQ(again.columns, description.columns);
   expect_refusal(
       [] {
-        io::parse_dataset_description(
-            R"({"format": "arbox dataset", "version": 1, "clases": []})", "d");
+        io::parse_dataset_description(R"({"format": "arbox dataset", "version": 1, "clases": []})",
+                                      "d");
       },
       {"d", "classes", "clases"});
   expect_refusal([] { io::parse_dataset_description(R"({"format": "x", "version": 1})", "d"); },

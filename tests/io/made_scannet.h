@@ -28,17 +28,18 @@ struct RawScan {
 inline void write_raw_scan(const TemporaryDirectory& folder, const RawScan& scan,
                            std::size_t piece = 50) {
   const std::string base = "scans/" + scan.name + "/" + scan.name;
-  folder.write(base + ".txt", "numDepthFrames = 5578\n" +
-                                  (scan.alignment.empty()
-                                       ? std::string()
-                                       : "axisAlignment = " + scan.alignment + "\n") +
-                                  "sceneType = Apartment\n");
+  folder.write(
+      base + ".txt",
+      "numDepthFrames = 5578\n" +
+          (scan.alignment.empty() ? std::string() : "axisAlignment = " + scan.alignment + "\n") +
+          "sceneType = Apartment\n");
   io::write_point_cloud(folder / (base + "_vh_clean_2.ply"), scan.cloud.view());
   std::map<std::uint32_t, std::vector<std::int64_t>> segments;
   std::map<std::uint32_t, std::size_t> seen;
   std::string indices;
   for (const std::uint32_t instance : scan.instances) {
-    const auto segment = static_cast<std::int64_t>(1000 * instance + seen[instance]++ / piece % 1000);
+    const auto segment =
+        static_cast<std::int64_t>(1000 * instance + seen[instance]++ / piece % 1000);
     auto& list = segments[instance];
     if (list.empty() || list.back() != segment) list.push_back(segment);
     indices += (indices.empty() ? "" : ",") + std::to_string(segment);

@@ -27,8 +27,9 @@ inline io::LabeledScene made_scene(const std::string& name, std::uint64_t seed,
   io::LabeledScene scene{.name = name, .frame = frame};
   scene.cloud.channels = {"r", "g", "b"};
   for (std::size_t i = 0; i < 6; ++i) {
-    geometry::Box box{.center = {8.0 + 3.0 * static_cast<double>(i), between(-4, 4), between(-1, 1)},
-                      .size = {between(0.5, 2), between(0.5, 2), between(0.5, 2)}};
+    geometry::Box box{
+        .center = {8.0 + 3.0 * static_cast<double>(i), between(-4, 4), between(-1, 1)},
+        .size = {between(0.5, 2), between(0.5, 2), between(0.5, 2)}};
     if (boxes != MadeBoxes::kAxisAligned) {
       box = geometry::make_yaw_box(box.center, box.size, between(-3, 3));
     }

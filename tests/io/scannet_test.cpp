@@ -86,8 +86,7 @@ TEST(ScanNet, SegmentsMustMatchTheMesh) {
   expect_refusal([&] { io::open_dataset(folder.path())->load("all", "scene0000_00"); },
                  {"segs.json", "one segment a vertex (8)", "got 2"});
   std::filesystem::remove(folder / "scannetv2-labels.combined.tsv");
-  expect_refusal([&] { io::open_dataset(folder.path()); },
-                 {"scannetv2-labels.combined.tsv"});
+  expect_refusal([&] { io::open_dataset(folder.path()); }, {"scannetv2-labels.combined.tsv"});
 }
 
 TEST(ScanNet, ParsersRefuseWhatIsWrong) {
@@ -130,7 +129,8 @@ TEST(ScanNet, VotenetFilesOfTheSampleAgreeWithTheirInstances) {
     if (scene.point_objects[i] < 0) continue;
     const auto& object = scene.objects[scene.point_objects[i]];
     ++points[scene.point_objects[i]];
-    EXPECT_TRUE(geometry::contains(object.box, scene.cloud.view().position(i).cast<double>(), 1e-5));
+    EXPECT_TRUE(
+        geometry::contains(object.box, scene.cloud.view().position(i).cast<double>(), 1e-5));
   }
   for (const int count : points) EXPECT_GT(count, 10);
 }

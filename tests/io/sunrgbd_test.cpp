@@ -90,8 +90,8 @@ double distance(const std::array<double, 10>& row, const geometry::Box& box) {
   for (int c = 0; c < 4; ++c) {
     double nearest = 1e9;
     for (const auto& corner : geometry::corners(box)) {
-      nearest = std::min(nearest, (corner.head<2>() -
-                                   Eigen::Vector2d(row[2 * c], row[2 * c + 1])).norm());
+      nearest = std::min(nearest,
+                         (corner.head<2>() - Eigen::Vector2d(row[2 * c], row[2 * c + 1])).norm());
     }
     largest = std::max(largest, nearest);
   }
@@ -100,12 +100,10 @@ double distance(const std::array<double, 10>& row, const geometry::Box& box) {
 
 TEST(SunRgbd, SampleImagesAgreeWithTheTestSetsBoxes) {
   ARBOX_REQUIRE_DATA(root, "sunrgbd");
-  // The test set's boxes are those of the first labels.
   double worst = 0.0;
   int compared = 0;
   for (const char* version : {"v1", "v2"}) {
-    const auto dataset =
-        io::open_dataset(root / "sunrgbd_trainval", {.sunrgbd_labels = version});
+    const auto dataset = io::open_dataset(root / "sunrgbd_trainval", {.sunrgbd_labels = version});
     EXPECT_EQ(dataset->layout(), "sunrgbd");
     EXPECT_EQ(dataset->names("all"), (std::vector<std::string>{"000001", "000002", "000003"}));
     for (const std::string& name : dataset->names("all")) {
@@ -114,20 +112,19 @@ TEST(SunRgbd, SampleImagesAgreeWithTheTestSetsBoxes) {
       ASSERT_TRUE(scene.photo);
       for (const auto& object : scene.objects) {
         double best = 1e9;
-        for (const auto& row : true_boxes(root / "gt_boxes_test5050", object.label, std::stoi(name))) {
+        for (const auto& row :
+             true_boxes(root / "gt_boxes_test5050", object.label, std::stoi(name))) {
           best = std::min(best, distance(row, object.box));
         }
-        if (std::string(version) == "v2") {
-          std::printf("v2 %s %s %.4f\n", name.c_str(), object.label.c_str(), best);
-          continue;
-        }
+        // One box of the second version was drawn anew.
+        if (std::string(version) == "v2" && best > 0.3) continue;
         worst = std::max(worst, best);
         ++compared;
         EXPECT_LE(best, 0.0025) << name << " " << object.label;
       }
     }
   }
-  EXPECT_GE(compared, 6);
+  EXPECT_GE(compared, 14);
   RecordProperty("worst_mm", std::to_string(1000 * worst));
 }
 
@@ -151,15 +148,16 @@ TEST(SunRgbd, VotenetFilesAgreeWithTheLabels) {
   EXPECT_EQ(prepared->layout(), "sunrgbd-votenet");
   EXPECT_EQ(prepared->splits(), (std::vector<std::string>{"train", "val", "all"}));
   const auto scene = prepared->load("val", "000001");
-  const auto labels = io::open_dataset(root / "sunrgbd_trainval", {.sunrgbd_labels = "v1"})
-                          ->load("all", "000001");
+  const auto labels =
+      io::open_dataset(root / "sunrgbd_trainval", {.sunrgbd_labels = "v1"})->load("all", "000001");
   ASSERT_EQ(scene.objects.size(), labels.objects.size());
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     EXPECT_EQ(scene.objects[i].label, labels.objects[i].label);
     EXPECT_LE((scene.objects[i].box.center - labels.objects[i].box.center).norm(), 1e-6);
     EXPECT_LE((scene.objects[i].box.size - labels.objects[i].box.size).norm(), 1e-6);
-    EXPECT_LE(geometry::rotation_distance(scene.objects[i].box.rotation,
-                                          labels.objects[i].box.rotation), 1e-5);
+    EXPECT_LE(
+        geometry::rotation_distance(scene.objects[i].box.rotation, labels.objects[i].box.rotation),
+        1e-5);
   }
 }
 
@@ -199,8 +197,8 @@ void write_toolbox(const std::filesystem::path& path) {
     std::size_t sizes[2] = {1, value.size()};
     return Mat_VarCreate(name, MAT_C_CHAR, MAT_T_UTF8, 2, sizes, value.data(), 0);
   };
-  const char* object_fields[] = {"basis", "coeffs", "centroid", "classname", "orientation",
-                                 "gtBb2D", nullptr};
+  const char* object_fields[] = {"basis",       "coeffs", "centroid", "classname",
+                                 "orientation", "gtBb2D", nullptr};
   std::size_t one[2] = {1, 1}, two[2] = {1, 2}, none[2] = {0, 0};
   matvar_t* objects = Mat_VarCreateStruct2("groundtruth3DBB", 2, two, object_fields);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -209,7 +207,8 @@ void write_toolbox(const std::filesystem::path& path) {
                                 numbers("basis", {0.8, -0.6, 0, 0.6, 0.8, 0, 0, 0, 1}, 3));
     Mat_VarSetStructFieldByName(objects, "coeffs", i, numbers("coeffs", {0.5, 1, 0.25}, 1));
     Mat_VarSetStructFieldByName(objects, "centroid", i, numbers("centroid", {1, 2, 3}, 1));
-    Mat_VarSetStructFieldByName(objects, "classname", i, text("classname", i == 0 ? "bed" : "lamp"));
+    Mat_VarSetStructFieldByName(objects, "classname", i,
+                                text("classname", i == 0 ? "bed" : "lamp"));
     Mat_VarSetStructFieldByName(objects, "orientation", i,
                                 numbers("orientation", {0.6, -0.8, 0}, 1));
     Mat_VarSetStructFieldByName(objects, "gtBb2D", i, numbers("gtBb2D", {10, 20, 30, 40}, 1));
@@ -221,9 +220,9 @@ void write_toolbox(const std::filesystem::path& path) {
     Mat_VarSetStructFieldByName(meta, "K", i, numbers("K", {500, 0, 0, 0, 500, 0, 320, 240, 1}, 3));
   }
   Mat_VarSetStructFieldByName(meta, "groundtruth3DBB", 0, objects);
-  Mat_VarSetStructFieldByName(meta, "groundtruth3DBB", 1,
-                              Mat_VarCreate("groundtruth3DBB", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, none,
-                                            nullptr, 0));
+  Mat_VarSetStructFieldByName(
+      meta, "groundtruth3DBB", 1,
+      Mat_VarCreate("groundtruth3DBB", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, none, nullptr, 0));
   static_cast<void>(one);
   mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
   Mat_VarWrite(file, meta, MAT_COMPRESSION_ZLIB);
@@ -240,8 +239,8 @@ TEST(SunRgbd, ToolboxAnnotationsBecomeTheSameBoxesAsLabels) {
   EXPECT_EQ(annotations[0].calibration.intrinsic(0, 2), 320.0);
   ASSERT_EQ(annotations[0].objects.size(), 2u);
   const auto& object = annotations[0].objects[0];
-  const auto label = io::to_object(
-      parse_sunrgbd_labels("bed 10 20 30 40 1 2 3 0.5 1 0.25 0.6 -0.8\n", "l")[0]);
+  const auto label =
+      io::to_object(parse_sunrgbd_labels("bed 10 20 30 40 1 2 3 0.5 1 0.25 0.6 -0.8\n", "l")[0]);
   EXPECT_EQ(object.label, "bed");
   EXPECT_LE((object.box.size - label.box.size).norm(), 1e-12);
   EXPECT_LE(geometry::rotation_distance(object.box.rotation, label.box.rotation), 1e-7);

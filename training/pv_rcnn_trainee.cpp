@@ -83,7 +83,7 @@ void require_valid(const PvRcnnTraineeOptions& options) {
     }
   }
   const std::size_t pasted = options.augmentation.objects.counts.size();
-  if (pasted > options.network.classes.size()) {
+  if (options.augmentation.enabled && pasted > options.network.classes.size()) {
     throw ConfigError("augmentation.objects.counts: expected at most one number for each of " +
                       std::to_string(options.network.classes.size()) + " classes, got " +
                       std::to_string(pasted));

@@ -34,14 +34,15 @@ bool is_usable(const Tensor& row) {
   return row.isfinite().all().item<bool>() && (row.slice(0, 3, 6) > 0).all().item<bool>();
 }
 
-Survivors survivors(const Tensor& boxes, const Tensor& confidence,
+Survivors survivors(const Tensor& boxes, const detectors::pv_rcnn::SecondStage& second,
                     const detectors::pv_rcnn::PostOptions& post) {
-  const Tensor scores = confidence.sigmoid().to(at::kDouble);
+  const Tensor scores = second.confidence.sigmoid().to(at::kDouble);
   std::vector<std::int64_t> rows;
   std::vector<double> values;
   for (std::int64_t i = 0; i < boxes.size(0); ++i) {
     const double score = scores[i].item<double>();
     if (!(score >= post.score) || !is_usable(boxes[i])) continue;
+    if (!second.features[i].isfinite().all().item<bool>()) continue;
     rows.push_back(i);
     values.push_back(score);
   }
@@ -146,7 +147,7 @@ std::vector<std::vector<Detection>> detect_with(Network& network, const NamedHea
   const auto second = network.second_stage(keypoints, proposals.boxes, proposals.scene);
   const Survivors kept =
       survivors(detectors::pv_rcnn::decode_region_residuals(second.residuals, proposals.boxes),
-                second.confidence, options.post);
+                second, options.post);
   const Tensor rows = internal::to_tensor(kept.rows);
   const heads::HeadInput input = network.head_input(second, proposals.boxes).select(rows);
   const Tensor labels = proposals.labels.index_select(0, rows);

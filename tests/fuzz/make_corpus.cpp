@@ -210,7 +210,7 @@ void make_pickles(const fs::path& root) {
   write(root, "pickle", "objects_array.pkl",
         "\x80\2" + reconstruct + "K\1tcnumpy\ndtype\n(" + text("O8") + "K\0K\1tR\x89(Nltb."s);
   write(root, "pickle", "encoded.pkl",
-        "\x80\2c_codecs\nencode\nX\3\0\0\0\xc3\xbf" + "aX\6\0\0\0latin1\x86R."s);
+        "\x80\2c_codecs\nencode\nX\3\0\0\0\xc3\xbf"s + "aX\6\0\0\0latin1\x86R."s);
   const std::string value = "\x80\2}" + text("w") + tensor() + "s.";
   write(root, "torch_checkpoint", "stream.pth",
         "\x80\2\x8a\nl\xfc\x9c\x46\xf9 j\xa8P\x19.\x80\2M\xe9\3.\x80\2}" + text("little_endian") +

@@ -12,6 +12,7 @@ namespace arbox::cli {
 
 void add_config(CLI::App& app);
 void add_convert(CLI::App& app);
+void add_import(CLI::App& app);
 void add_info(CLI::App& app);
 void add_nms(CLI::App& app);
 void add_overlap(CLI::App& app);

@@ -9,6 +9,7 @@
 
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/commands.h"
+#include "arbox/cli/model_info.h"
 #include "arbox/cli/option_flags.h"
 #include "arbox/cli/standard_input.h"
 
@@ -108,6 +109,10 @@ void print_table(const std::string& path, const io::PointCloudFile& file) {
 
 void info(const InfoFlags& flags) {
   if (flags.path.empty()) throw UsageError("info: expected a file or a subcommand");
+  if (is_model_file(flags.path)) {
+    print_model(flags.path, flags.json);
+    return;
+  }
   const io::PointCloudFile file = read_point_cloud_input(flags.path, flags.read);
   if (flags.json) {
     std::cout << to_json(flags.path, file).dump(2) << '\n';
@@ -120,15 +125,18 @@ void info(const InfoFlags& flags) {
 
 void add_info(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "info", "What a point-cloud file holds: format, points, channels with ranges, bounds");
+      "info",
+      "What a point-cloud file holds (format, points, channels with ranges, bounds), or a model "
+      "(classes, parameters, configuration, what its confidence boxes are calibrated on)");
   const auto flags = std::make_shared<InfoFlags>();
-  command->add_option("file", flags->path, "Point cloud; - for standard input")->type_name("FILE");
+  command->add_option("file", flags->path, "Point cloud (- for standard input) or model")->type_name("FILE");
   add_option_flags(*command, bind_options(flags->read), {"keep_non_finite", "scale_intensity"});
   add_json_flag(*command, flags->json);
   add_examples(*command,
                {{"arbox info scan.pcd", "Its format, points, channels and bounds"},
                 {"arbox info nuscenes.pcd.bin --channels 5 --json", "A .bin of five columns"},
                 {"arbox info rooms.npz --array pc", "One array of an archive"},
+                {"arbox info car.arbox", "A model: classes, configuration, calibration"},
                 {"arbox info kitti ROOT", "A KITTI folder: counts, missing and broken files"}});
   add_info_kitti(*command);
   command->callback([command, flags] {

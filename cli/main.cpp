@@ -8,6 +8,7 @@ void add_commands(CLI::App& app) {
   add_config(app);
   add_convert(app);
   add_detect(app);
+  add_import(app);
   add_info(app);
   add_nms(app);
   add_overlap(app);

@@ -30,6 +30,26 @@ struct FitBinsResult {
   bool reached = false;
 };
 
+/// A checkpoint of another program as a model (detectors/pv_rcnn/import_openpcdet.h).
+struct ImportRequest {
+  std::string checkpoint, output;
+  /// YAML file of the network's options; empty for what the checkpoint tells.
+  std::string configuration;
+  /// KEY=VALUE changes to the network's options.
+  std::vector<std::string> overrides;
+  /// layout=NAME.
+  std::vector<std::string> options;
+  /// Write weights as float16.
+  bool half = false;
+};
+
+struct ImportResult {
+  std::string head, layout;
+  std::vector<std::string> classes;
+  std::int64_t entries = 0, parameters = 0;
+  std::vector<std::string> unused;
+};
+
 /// The functions of the library.
 struct TorchModule {
   /// Declares the kinds that pass tensors and adds what is built in of them.
@@ -37,6 +57,7 @@ struct TorchModule {
   /// Makes heads::CodecOptions.
   OptionsMaker codec_options;
   FitBinsResult (*fit_bins)(const FitBinsRequest& request);
+  ImportResult (*import_openpcdet)(const ImportRequest& request);
 };
 
 /// Opens the library, once. Throws NotAvailable if this installation lacks it.

@@ -1,5 +1,6 @@
 #include "arbox/base/options.h"
 #include "arbox/cli/torch_module.h"
+#include "arbox/detectors/pv_rcnn/import_openpcdet.h"
 #include "arbox/heads/fit_ranges.h"
 #include "arbox/heads/head_kind.h"
 
@@ -27,6 +28,27 @@ FitBinsResult fit_bins(const FitBinsRequest& request) {
   return {options_yaml(fit.codec), fit.mean_iou, fit.overflow, fit.reached};
 }
 
+ImportResult import_openpcdet(const ImportRequest& request) {
+  namespace pv_rcnn = detectors::pv_rcnn;
+  auto options = override_options(pv_rcnn::ImportOptions(), request.options);
+  options.overrides = request.overrides;
+  if (!request.configuration.empty()) {
+    options.network = read_options<pv_rcnn::Options>(request.configuration);
+  }
+  const auto [model, report] = pv_rcnn::import_openpcdet(request.checkpoint, options);
+  pv_rcnn::save_model(request.output, *model.network, model.notes,
+                      request.half ? detectors::WeightPrecision::kHalf
+                                   : detectors::WeightPrecision::kFull);
+  options.layout = report.layout;
+  const auto& network = model.network->options();
+  return {.head = network.head.name,
+          .layout = option_text(bind_options(options).fields.front()),
+          .classes = network.classes,
+          .entries = report.entries,
+          .parameters = report.parameters,
+          .unused = report.unused};
+}
+
 }  // namespace
 }  // namespace arbox::cli
 
@@ -34,6 +56,7 @@ extern "C" __attribute__((visibility("default"))) const arbox::cli::TorchModule*
 arbox_torch_module() {
   using namespace arbox;
   static const cli::TorchModule module = {&cli::register_built_ins,
-                                          &make_options<heads::CodecOptions>, &cli::fit_bins};
+                                          &make_options<heads::CodecOptions>, &cli::fit_bins,
+                                          &cli::import_openpcdet};
   return &module;
 }

@@ -75,8 +75,10 @@ void add_import(CLI::App& app) {
       ->add_option("--config", request.configuration,
                    "Options of the network that was trained; KITTI's PV-RCNN if not given")
       ->type_name("YAML");
-  command->add_option("--set", request.overrides, "Changes to its options, for example "
-                                                  "classes=[Vehicle, Pedestrian, Cyclist]")
+  command
+      ->add_option("--set", request.overrides,
+                   "Changes to its options, for example "
+                   "classes=[Vehicle, Pedestrian, Cyclist]")
       ->type_name("KEY=VALUE");
   command
       ->add_option("--layout", flags->layout,

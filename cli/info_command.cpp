@@ -129,7 +129,8 @@ void add_info(CLI::App& app) {
       "What a point-cloud file holds (format, points, channels with ranges, bounds), or a model "
       "(classes, parameters, configuration, what its confidence boxes are calibrated on)");
   const auto flags = std::make_shared<InfoFlags>();
-  command->add_option("file", flags->path, "Point cloud (- for standard input) or model")->type_name("FILE");
+  command->add_option("file", flags->path, "Point cloud (- for standard input) or model")
+      ->type_name("FILE");
   add_option_flags(*command, bind_options(flags->read), {"keep_non_finite", "scale_intensity"});
   add_json_flag(*command, flags->json);
   add_examples(*command,

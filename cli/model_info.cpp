@@ -50,7 +50,7 @@ double highest_promise(const ConfidenceCalibration& calibration, const std::stri
   return static_cast<double>(contained) / static_cast<double>(calibration.objects(label) + 1);
 }
 
-Json to_json(const ConfidenceCalibration& calibration) {
+Json summary_of(const ConfidenceCalibration& calibration) {
   Json classes = Json::object();
   for (const auto& [label, ignored] : calibration.classes) {
     classes[label] = {{"objects", calibration.objects(label)},
@@ -59,7 +59,7 @@ Json to_json(const ConfidenceCalibration& calibration) {
   return {{"source", calibration.source}, {"min_iog", calibration.min_iog}, {"classes", classes}};
 }
 
-Json to_json(const std::string& path, const io::ModelArchive& archive,
+Json json_of(const std::string& path, const io::ModelArchive& archive,
              const std::optional<ConfidenceCalibration>& calibration) {
   const Totals totals = totals_of(archive);
   return {{"file", path},
@@ -69,7 +69,7 @@ Json to_json(const std::string& path, const io::ModelArchive& archive,
           {"statistics", totals.statistics},
           {"bytes", totals.bytes},
           {"records", totals.types},
-          {"calibration", calibration ? to_json(*calibration) : Json()},
+          {"calibration", calibration ? summary_of(*calibration) : Json()},
           {"configuration", archive.configuration},
           {"card", archive.card}};
 }
@@ -85,8 +85,10 @@ void print_calibration(const std::optional<ConfidenceCalibration>& calibration) 
   }
   print_row("calibration", calibration->source);
   std::printf(
-      "  A confidence box of probability p contains more than %g %% of the object with probability\n"
-      "  p: on average over the objects of a class that this model finds in scans like those of the\n"
+      "  A confidence box of probability p contains more than %g %% of the object with "
+      "probability\n"
+      "  p: on average over the objects of a class that this model finds in scans like those of "
+      "the\n"
       "  calibration (sensor, places, weather). For other scans nothing is promised.\n",
       100 * calibration->min_iog);
   for (const auto& [label, ignored] : calibration->classes) {
@@ -112,7 +114,8 @@ void print_table(const std::string& path, const io::ModelArchive& archive,
   print_row("model", archive.kind);
   print_row("classes", archive.classes.empty() ? "none" : join(archive.classes, ", "));
   std::vector<std::string> types;
-  for (const auto& [type, count] : totals.types) types.push_back(std::to_string(count) + " " + type);
+  for (const auto& [type, count] : totals.types)
+    types.push_back(std::to_string(count) + " " + type);
   print_row("parameters", std::to_string(totals.parameters) + ", and " +
                               std::to_string(totals.statistics) + " statistics");
   print_row("arrays", (types.empty() ? "none" : join(types, ", ")) + "; " +
@@ -136,13 +139,13 @@ void print_model(const std::string& path, bool json) {
   const io::ModelArchive archive = io::read_model_archive(path);
   std::optional<ConfidenceCalibration> calibration;
   if (!archive.calibration.empty()) {
-    calibration = evaluation::parse_confidence_calibration(archive.calibration,
-                                                           path + ": calibration.json");
+    calibration =
+        evaluation::parse_confidence_calibration(archive.calibration, path + ": calibration.json");
   }
   if (json) {
-    std::cout << to_json(path, archive, calibration).dump(2, ' ', false,
-                                                          Json::error_handler_t::replace)
-              << '\n';
+    std::cout
+        << json_of(path, archive, calibration).dump(2, ' ', false, Json::error_handler_t::replace)
+        << '\n';
   } else {
     print_table(path, archive, calibration);
   }

@@ -36,9 +36,9 @@ ImportResult import_openpcdet(const ImportRequest& request) {
     options.network = read_options<pv_rcnn::Options>(request.configuration);
   }
   const auto [model, report] = pv_rcnn::import_openpcdet(request.checkpoint, options);
-  pv_rcnn::save_model(request.output, *model.network, model.notes,
-                      request.half ? detectors::WeightPrecision::kHalf
-                                   : detectors::WeightPrecision::kFull);
+  pv_rcnn::save_model(
+      request.output, *model.network, model.notes,
+      request.half ? detectors::WeightPrecision::kHalf : detectors::WeightPrecision::kFull);
   options.layout = report.layout;
   const auto& network = model.network->options();
   return {.head = network.head.name,

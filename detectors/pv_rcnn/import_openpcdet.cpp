@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <sstream>
+#include <string_view>
 
 #include "arbox/base/error.h"
 #include "arbox/base/names.h"
@@ -16,7 +17,8 @@ namespace {
 
 constexpr const char* kReferenceHead = "roi_head.autoreg.";
 constexpr const char* kHead = "roi_head.box_head.autoreg.";
-constexpr const char* kBatches = "num_batches_tracked";
+/// Entries that older checkpoints lack, beside which these stand.
+constexpr std::string_view kBatches = "num_batches_tracked", kMean = "running_mean";
 
 using heads::NamedTensors;
 using Shape = std::vector<std::int64_t>;
@@ -31,8 +33,7 @@ const std::array<std::int64_t, 5>& axes_of(SparseLayout layout) {
 
 /// The dictionary of tensors in what was saved.
 io::PickleValue state_of(const io::PickleValue& value) {
-  const bool dictionary =
-      value.is(io::PickleKind::kDict) || value.is(io::PickleKind::kObject);
+  const bool dictionary = value.is(io::PickleKind::kDict) || value.is(io::PickleKind::kObject);
   if (!dictionary) value.refuse("a dictionary with model_state");
   for (const char* key : {"model_state", "state_dict"}) {
     if (const auto state = value.find(key)) return *state;
@@ -62,9 +63,8 @@ NamedTensors renamed(const std::map<std::string, io::ModelRecord>& records,
 }
 
 Options network_options(const NamedTensors& tensors, const ImportOptions& options) {
-  const bool autoregressive = std::any_of(tensors.begin(), tensors.end(), [](const auto& one) {
-    return one.first.starts_with(kHead);
-  });
+  const bool autoregressive = std::any_of(
+      tensors.begin(), tensors.end(), [](const auto& one) { return one.first.starts_with(kHead); });
   Options plain;
   plain.head.codec.order = "center_size_rotation";
   const Options detected = autoregressive ? autoregressive_reference_options() : plain;
@@ -160,6 +160,15 @@ std::vector<std::string> take_unused(NamedTensors& given, const NamedTensors& ow
   return unused;
 }
 
+/// Counts of batches, which inference does not need, for norms whose statistics are there.
+void add_missing_counts(NamedTensors& given, const NamedTensors& own) {
+  for (const auto& [name, tensor] : own) {
+    if (!name.ends_with(kBatches) || given.contains(name)) continue;
+    const std::string norm = name.substr(0, name.size() - kBatches.size());
+    if (given.contains(norm + std::string(kMean))) given[name] = tensor;
+  }
+}
+
 std::string card_of(const std::filesystem::path& checkpoint, const io::PickleValue& value,
                     const Options& options) {
   std::string card = "# PV-RCNN, imported\n\nFrom the OpenPCDet checkpoint `" +
@@ -174,10 +183,10 @@ std::string card_of(const std::filesystem::path& checkpoint, const io::PickleVal
           ".\n\nIt was trained elsewhere: what it was trained on, how good it is and under which "
           "licence it may be used, its source tells. Confidence boxes need a calibration of your "
           "own.\n";
-  if (options.head.name != "pointwise" &&
-      options.head.codec.order == "center_size_rotation") {
-    card += "\nThe head predicts centres before sizes: it cannot be asked for boxes of known "
-            "sizes.\n";
+  if (options.head.name != "pointwise" && options.head.codec.order == "center_size_rotation") {
+    card +=
+        "\nThe head predicts centres before sizes: it cannot be asked for boxes of known "
+        "sizes.\n";
   }
   return card;
 }
@@ -203,9 +212,7 @@ Import import_openpcdet(const std::filesystem::path& path, const ImportOptions& 
   const Options network = network_options(given, options);
   Import result{.model = {.network = std::make_shared<Network>(network)}, .report = {}};
   const NamedTensors own = heads::parameters_of(*result.model.network);
-  for (const auto& [name, tensor] : own) {
-    if (name.ends_with(kBatches) && !given.contains(name)) given[name] = tensor;
-  }
+  add_missing_counts(given, own);
   result.report.layout = layout_of(own, given, options.layout, source);
   to_own_layout(given, own, result.report.layout);
   result.report.unused = take_unused(given, own, source);

@@ -57,8 +57,7 @@ struct Import {
 /// num_batches_tracked count as 0, a prefix `module.` of all names is taken off. Throws IoError;
 /// FormatError that lists all entries that are missing, whose shape differs and that are unused,
 /// where one is missing or differs; as to_model().
-Import import_openpcdet(const std::filesystem::path& checkpoint,
-                        const ImportOptions& options = {});
+Import import_openpcdet(const std::filesystem::path& checkpoint, const ImportOptions& options = {});
 
 /// The authors' network of Liu et al., ECCV 2022: centre before size before heading, end bins of
 /// headings kept apart.

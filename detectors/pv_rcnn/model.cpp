@@ -61,4 +61,9 @@ Model load_model(const std::filesystem::path& path) {
   return to_model(io::read_model_archive(path), path.string());
 }
 
+std::unique_ptr<PvRcnn> load_pv_rcnn(const std::filesystem::path& path) {
+  Model model = load_model(path);
+  return std::make_unique<PvRcnn>(std::move(model.network), std::move(model.notes.calibration));
+}
+
 }  // namespace arbox::detectors::pv_rcnn

@@ -7,6 +7,7 @@
 
 #include "arbox/detectors/model_file.h"
 #include "arbox/detectors/pv_rcnn/network.h"
+#include "arbox/detectors/pv_rcnn/pv_rcnn.h"
 #include "arbox/evaluation/confidence_calibration.h"
 
 /// \file
@@ -47,5 +48,8 @@ Model to_model(const io::ModelArchive& archive, const std::string& source);
 
 /// Throws IoError too.
 Model load_model(const std::filesystem::path& path);
+
+/// The detector of a model file, with its calibration. Throws as load_model.
+std::unique_ptr<PvRcnn> load_pv_rcnn(const std::filesystem::path& path);
 
 }  // namespace arbox::detectors::pv_rcnn

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+
+#include <cstdlib>
 #include <limits>
 
 #include "arbox/base/error.h"
@@ -229,6 +232,39 @@ TEST(Pickle, BombsStaySmall) {
   for (int i = 0; i < kDepth; ++i) tuples += '\x85';
   EXPECT_EQ(parse_pickle(tuples + ".", "a.pkl").size(), 1U);
   EXPECT_EQ(message_of(std::string(kDepth, '(') + "N."), "no error");
+}
+
+std::string repeated(const std::string& first, const std::string& part) {
+  constexpr std::size_t kSize = 1 << 20;
+  std::string bytes = first;
+  while (bytes.size() < kSize) bytes += part;
+  return bytes + ".";
+}
+
+/// Largest memory of this process so far, bytes.
+std::size_t peak_memory() {
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) << 10;
+}
+
+// Each in a process of its own, whose peak tells.
+TEST(PickleDeathTest, MemoryIsAtMostAHundredTimesTheFile) {
+  for (const std::string& bytes :
+       {repeated("", "]"), repeated("", "}"), repeated("", "("), repeated("N", "2"),
+        repeated("", "]\x94"), repeated(")", "2R"), repeated("N", "2\x85"), repeated("", "c\n\n"),
+        repeated("", "I1\n"), repeated("", "]Na"), repeated("", "V\\u0041\n"),
+        repeated("", "S''\n"), repeated("N", "(2o")}) {
+    EXPECT_EXIT(
+        {
+          const std::size_t before = peak_memory();
+          const std::string told = message_of(bytes);
+          const std::size_t used = peak_memory() - before;
+          std::exit(used < 110 * bytes.size() ? 0 : 1);
+        },
+        ::testing::ExitedWithCode(0), "")
+        << bytes.substr(0, 10);
+  }
 }
 
 // One dictionary of arguments that many calls share is kept once.

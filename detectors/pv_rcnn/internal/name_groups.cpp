@@ -8,9 +8,8 @@ namespace {
 
 std::ptrdiff_t count_of(const std::vector<std::string>& names, std::string_view prefix) {
   const auto begin = std::lower_bound(names.begin(), names.end(), prefix);
-  return std::partition_point(
-             begin, names.end(),
-             [&](const std::string& name) { return name.starts_with(prefix); }) -
+  return std::partition_point(begin, names.end(),
+                              [&](const std::string& name) { return name.starts_with(prefix); }) -
          begin;
 }
 
@@ -34,9 +33,9 @@ std::vector<std::string> grouped_names(const std::vector<std::string>& chosen,
   for (const std::string& name : chosen) {
     if (!last.empty() && name.starts_with(last)) continue;
     last = whole_prefix(name, chosen, all);
-    result.push_back(last.empty() ? name
-                                  : std::string(last) + "* (" +
-                                        std::to_string(count_of(all, last)) + ")");
+    result.push_back(last.empty()
+                         ? name
+                         : std::string(last) + "* (" + std::to_string(count_of(all, last)) + ")");
   }
   return result;
 }

@@ -64,7 +64,7 @@ TEST(SceneTransform, PointsStayInTheirBoxesAndOverTheirGround) {
     change(changed);
     expect_same_members(scene, changed);
     EXPECT_THAT(clearances(changed),
-                testing::Pointwise(testing::DoubleNear(1e-4), clearances(scene)));
+                ::testing::Pointwise(::testing::DoubleNear(1e-4), clearances(scene)));
   }
   Scene scaled = scene;
   scale(scaled, 1.04);

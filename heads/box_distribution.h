@@ -57,7 +57,7 @@ class BoxDistribution {
 
   /// sizes (N, 3) metres -> (N): log density of the size components, -infinity outside of their
   /// ranges; with given_sizes() it makes the joint density. Throws NotAvailable where given_sizes()
-  /// does, and from heads that do not have it.
+  /// does, and where measure() is kNone.
   virtual at::Tensor log_size_density(const at::Tensor& sizes) const;
 };
 

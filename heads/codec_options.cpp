@@ -10,6 +10,7 @@ namespace {
 /// The fields that every codec's options share.
 template <class Options>
 Options with_ranges(Options codec, const CodecOptions& options) {
+  codec.order = options.order;
   codec.bins = options.bins;
   codec.size_low = options.size_low.value_or(codec.size_low);
   codec.size_high = options.size_high.value_or(codec.size_high);
@@ -20,7 +21,6 @@ Options with_ranges(Options codec, const CodecOptions& options) {
 
 YawCodecOptions upright(const YawCodecOptions& defaults, const CodecOptions& options) {
   YawCodecOptions codec = with_ranges(defaults, options);
-  codec.order = options.order;
   codec.full_turn = options.full_turn;
   codec.half_turn_equivalent = options.half_turn_equivalent;
   codec.quarter_turn_equivalent = options.quarter_turn_equivalent;
@@ -33,6 +33,7 @@ std::shared_ptr<const BoxCodec> make_codec(const CodecOptions& options) {
   validate_options(options, "codec");
   if (options.kind == "quartile") {
     QuartileCodecOptions codec = with_ranges(QuartileCodecOptions(), options);
+    codec.beta_high = options.beta_high;
     codec.equivalents = options.equivalents;
     return std::make_shared<QuartileCodec>(codec);
   }

@@ -18,13 +18,14 @@ struct CodecOptions {
   /// Ranges; those of the codec where not given (`arbox config fit-bins` finds them for a data
   /// set).
   std::optional<double> size_low, size_high, center_low, center_high;
-  /// Upright codecs.
   std::string order = "size_center_rotation";
+  /// Upright codecs.
   bool with_yaw = true;
   bool full_turn = false;
   bool half_turn_equivalent = false;
   bool quarter_turn_equivalent = false;
   /// The quartile codec.
+  std::optional<double> beta_high;
   std::string equivalents = "canonical";
 
   template <class Visitor>
@@ -39,7 +40,7 @@ struct CodecOptions {
     visitor.field("center_low", &CodecOptions::center_low, {.help = "Lowest bin of centres"});
     visitor.field("center_high", &CodecOptions::center_high, {.help = "Highest bin of centres"});
     visitor.field("order", &CodecOptions::order,
-                  {.help = "Order of prediction (residual, scaled)",
+                  {.help = "Order of prediction",
                    .choices = {"size_center_rotation", "center_size_rotation"}});
     visitor.field("with_yaw", &CodecOptions::with_yaw,
                   {.help = "Predict a heading (scaled; the others always do)"});
@@ -50,6 +51,11 @@ struct CodecOptions {
     visitor.field(
         "quarter_turn_equivalent", &CodecOptions::quarter_turn_equivalent,
         {.help = "Length and width swapped with a quarter turn is the same (residual, scaled)"});
+    visitor.field("beta_high", &CodecOptions::beta_high,
+                  {.help = "Highest bin of beta (quartile); pi for the paper's weights",
+                   .unit = "rad",
+                   .low = 3,
+                   .high = 7});
     visitor.field("equivalents", &CodecOptions::equivalents,
                   {.help = "Vectors of one box that are supervised (quartile)",
                    .choices = {"canonical", "all", "one"}});

@@ -10,9 +10,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
-#include "arbox/base/error.h"
 #include "arbox/base/random.h"
 #include "arbox/heads/box_tensor.h"
 #include "arbox/heads/internal/component_math.h"
@@ -47,40 +47,52 @@ Tensor draw_bins(const Tensor& probability, const Streams& streams, std::int64_t
 
 }  // namespace
 
-DiscreteDistribution::DiscreteDistribution(std::vector<Tensor> log_probability, CircularEnds ends,
-                                           std::shared_ptr<const BoxCodec> codec,
-                                           References references, Tensor sizes)
-    : ends_(ends),
-      codec_(std::move(codec)),
-      references_(references.detached()),
-      sizes_(std::move(sizes)) {
+DiscreteDistribution::DiscreteDistribution(const std::vector<Tensor>& log_probability,
+                                           CircularEnds ends, std::shared_ptr<const BoxCodec> codec,
+                                           const References& references)
+    : IndependentDistribution(std::move(codec), references), ends_(ends) {
   for (const Tensor& one : log_probability) {
     log_probability_.push_back(one.detach().to(at::kFloat));
   }
 }
 
-bool DiscreteDistribution::is_known(int component) const {
-  if (!sizes_.defined()) return false;
-  const auto fixed = codec_->size_components();
-  return std::find(fixed.begin(), fixed.end(), component) != fixed.end();
+std::unique_ptr<IndependentDistribution> DiscreteDistribution::clone() const {
+  return std::make_unique<DiscreteDistribution>(*this);
+}
+
+void DiscreteDistribution::keep_rows(const Tensor& index) {
+  for (Tensor& one : log_probability_) one = one.index_select(0, index);
+}
+
+Tensor DiscreteDistribution::component_density(const Tensor& bins, int component) const {
+  return log_probability_[component].gather(1, bins.select(-1, component)) -
+         std::log(codec().components()[component].step());
 }
 
 Tensor DiscreteDistribution::vector_density(const Tensor& bins) const {
   Tensor sum = at::zeros({bins.size(0), bins.size(1)});
-  for (std::size_t i = 0; i < log_probability_.size(); ++i) {
-    if (is_known(static_cast<int>(i))) continue;
-    const Tensor bin = bins.select(-1, static_cast<std::int64_t>(i));
-    sum = sum + log_probability_[i].gather(1, bin) - std::log(codec_->components()[i].step());
+  for (int i = 0; i < std::ssize(log_probability_); ++i) {
+    if (!is_known(i)) sum += component_density(bins, i);
   }
   return sum;
 }
 
+Tensor DiscreteDistribution::density_of(const Tensor& values, const std::vector<int>& of) const {
+  const Tensor bins = quantize(values, codec().components(), ends_);
+  const Tensor outside = overflows(values, codec().components());
+  Tensor sum = at::zeros({size(), 1});
+  for (const int i : of) {
+    sum += component_density(bins, i);
+    sum.masked_fill_(outside.select(-1, i), -std::numeric_limits<float>::infinity());
+  }
+  return sum.select(1, 0);
+}
+
 Draws DiscreteDistribution::draws_of(const Tensor& bins) const {
   Draws draws;
-  draws.components = dequantize(bins, codec_->components());
-  if (sizes_.defined()) draws.components = internal::with_sizes(draws.components, *codec_, sizes_);
+  draws.components = with_known(dequantize(bins, codec().components()));
   draws.log_density = vector_density(bins);
-  draws.boxes = codec_->decode(draws.components, references_);
+  draws.boxes = codec().decode(draws.components, references());
   return draws;
 }
 
@@ -117,43 +129,23 @@ Draws DiscreteDistribution::sample(int count, const Streams& streams, double tem
 Tensor DiscreteDistribution::mean() const {
   std::vector<Tensor> columns;
   for (std::size_t i = 0; i < log_probability_.size(); ++i) {
-    columns.push_back(internal::expected_value(log_probability_[i].exp(), codec_->components()[i]));
+    columns.push_back(internal::expected_value(log_probability_[i].exp(), codec().components()[i]));
   }
-  Tensor values = at::stack(columns, -1).unsqueeze(1);
-  if (sizes_.defined()) values = internal::with_sizes(values, *codec_, sizes_);
-  return codec_->decode(values, references_).select(1, 0);
+  const Tensor values = with_known(at::stack(columns, -1).unsqueeze(1));
+  return codec().decode(values, references()).select(1, 0);
 }
 
 Tensor DiscreteDistribution::log_density(const Tensor& boxes) const {
   require_boxes(boxes, "log_density");
-  const auto components = codec_->components();
-  const ComponentSet set = codec_->equivalents(boxes.detach().to(at::kFloat), references_);
+  const auto components = codec().components();
+  const ComponentSet set = codec().equivalents(boxes.detach().to(at::kFloat), references());
   const Tensor bins = quantize(set.values, components, ends_);
-  Tensor mask = internal::distinct_vectors(bins, set.mask);
-  if (sizes_.defined()) mask = internal::of_sizes(set.values, mask, *codec_, sizes_);
+  Tensor mask = of_known(set.values, internal::distinct_vectors(bins, set.mask));
   const Tensor outside = overflows(set.values, components);
-  for (std::size_t i = 0; i < components.size(); ++i) {
-    if (is_known(static_cast<int>(i))) continue;
-    mask = mask.logical_and(outside.select(-1, static_cast<std::int64_t>(i)).logical_not());
+  for (int i = 0; i < std::ssize(components); ++i) {
+    if (!is_known(i)) mask = mask.logical_and(outside.select(-1, i).logical_not());
   }
   return internal::masked_log_sum(vector_density(bins), mask);
-}
-
-std::unique_ptr<BoxDistribution> DiscreteDistribution::select(const Tensor& index) const {
-  std::vector<Tensor> rows;
-  for (const Tensor& one : log_probability_) rows.push_back(one.index_select(0, index));
-  return std::make_unique<DiscreteDistribution>(
-      std::move(rows), ends_, codec_, references_.select(index),
-      sizes_.defined() ? sizes_.index_select(0, index) : sizes_);
-}
-
-std::unique_ptr<BoxDistribution> DiscreteDistribution::given_sizes(const Tensor& sizes) const {
-  if (codec_->size_components().size() != 3) {
-    throw NotAvailable("given_sizes: this codec does not describe all three sizes");
-  }
-  require_sizes(sizes, size());
-  return std::make_unique<DiscreteDistribution>(log_probability_, ends_, codec_, references_,
-                                                internal::size_values(sizes, *codec_, references_));
 }
 
 }  // namespace arbox::heads

@@ -6,13 +6,13 @@
 #include <ATen/ops/log.h>
 #include <ATen/ops/logsumexp.h>
 #include <ATen/ops/stack.h>
+#include <ATen/ops/zeros.h>
 
 #include <cmath>
 #include <numbers>
 #include <utility>
 #include <vector>
 
-#include "arbox/base/error.h"
 #include "arbox/base/random.h"
 #include "arbox/heads/box_tensor.h"
 #include "arbox/heads/internal/component_math.h"
@@ -69,34 +69,47 @@ Tensor gaussian_log_density(const Tensor& values, const Tensor& mean, const Tens
 
 GaussianDistribution::GaussianDistribution(const Tensor& mean, const Tensor& deviation,
                                            std::shared_ptr<const BoxCodec> codec,
-                                           const References& references, Tensor sizes)
-    : mean_(mean.detach().to(at::kFloat)),
-      deviation_(deviation.detach().to(at::kFloat)),
-      codec_(std::move(codec)),
-      references_(references.detached()),
-      sizes_(std::move(sizes)) {}
+                                           const References& references)
+    : IndependentDistribution(std::move(codec), references),
+      mean_(mean.detach().to(at::kFloat)),
+      deviation_(deviation.detach().to(at::kFloat)) {}
+
+std::unique_ptr<IndependentDistribution> GaussianDistribution::clone() const {
+  return std::make_unique<GaussianDistribution>(*this);
+}
+
+void GaussianDistribution::keep_rows(const Tensor& index) {
+  mean_ = mean_.index_select(0, index);
+  deviation_ = deviation_.index_select(0, index);
+}
 
 Tensor GaussianDistribution::vector_density(const Tensor& values) const {
-  Tensor each = gaussian_log_density(values, mean_, deviation_, codec_->components());
-  if (sizes_.defined()) {
-    for (const int i : codec_->size_components()) each.select(-1, i).zero_();
+  Tensor each = gaussian_log_density(values, mean_, deviation_, codec().components());
+  for (int i = 0; i < each.size(-1); ++i) {
+    if (is_known(i)) each.select(-1, i).zero_();
   }
   return each.sum(-1);
 }
 
-Draws GaussianDistribution::draws_of(Tensor values) const {
+Tensor GaussianDistribution::density_of(const Tensor& values, const std::vector<int>& of) const {
+  const Tensor each = gaussian_log_density(values, mean_, deviation_, codec().components());
+  Tensor sum = at::zeros({size()}, each.options());
+  for (const int i : of) sum += each.select(1, 0).select(-1, i);
+  return sum;
+}
+
+Draws GaussianDistribution::draws_of(const Tensor& values) const {
   std::vector<Tensor> columns = values.unbind(-1);
-  const auto components = codec_->components();
+  const auto components = codec().components();
   for (std::size_t i = 0; i < components.size(); ++i) {
     if (!components[i].circular) continue;
     const double period = components[i].high - components[i].low;
     columns[i] = columns[i] - period * ((columns[i] - components[i].low) / period).floor();
   }
-  values = at::stack(columns, -1);
   Draws draws;
-  draws.components = sizes_.defined() ? internal::with_sizes(values, *codec_, sizes_) : values;
+  draws.components = with_known(at::stack(columns, -1));
   draws.log_density = vector_density(draws.components);
-  draws.boxes = codec_->decode(draws.components, references_);
+  draws.boxes = codec().decode(draws.components, references());
   return draws;
 }
 
@@ -117,25 +130,8 @@ Tensor GaussianDistribution::mean() const {
 
 Tensor GaussianDistribution::log_density(const Tensor& boxes) const {
   require_boxes(boxes, "log_density");
-  const ComponentSet set = codec_->equivalents(boxes.detach().to(at::kFloat), references_);
-  const Tensor mask =
-      sizes_.defined() ? internal::of_sizes(set.values, set.mask, *codec_, sizes_) : set.mask;
-  return internal::masked_log_sum(vector_density(set.values), mask);
-}
-
-std::unique_ptr<BoxDistribution> GaussianDistribution::select(const Tensor& index) const {
-  return std::make_unique<GaussianDistribution>(
-      mean_.index_select(0, index), deviation_.index_select(0, index), codec_,
-      references_.select(index), sizes_.defined() ? sizes_.index_select(0, index) : sizes_);
-}
-
-std::unique_ptr<BoxDistribution> GaussianDistribution::given_sizes(const Tensor& sizes) const {
-  if (codec_->size_components().size() != 3) {
-    throw NotAvailable("given_sizes: this codec does not describe all three sizes");
-  }
-  require_sizes(sizes, size());
-  return std::make_unique<GaussianDistribution>(mean_, deviation_, codec_, references_,
-                                                internal::size_values(sizes, *codec_, references_));
+  const ComponentSet set = codec().equivalents(boxes.detach().to(at::kFloat), references());
+  return internal::masked_log_sum(vector_density(set.values), of_known(set.values, set.mask));
 }
 
 }  // namespace arbox::heads

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "arbox/heads/box_codec.h"
-#include "arbox/heads/box_distribution.h"
+#include "arbox/heads/independent_distribution.h"
 
 namespace arbox::heads {
 
@@ -16,34 +16,26 @@ at::Tensor gaussian_log_density(const at::Tensor& values, const at::Tensor& mean
 /// Independent normals over the components of a codec. mode() is the mean, one vector whatever the
 /// beam width. Samples at a temperature T have deviations times sqrt(T). Normals reach below a size
 /// of zero; boxes then have the codec's least size, while components and densities stay as drawn.
-/// given_sizes() fixes the sizes and leaves the rest as it is, since the components are
-/// independent.
-class GaussianDistribution : public BoxDistribution {
+class GaussianDistribution : public IndependentDistribution {
  public:
-  /// mean, deviation (N, D), deviations above zero. `sizes` (N, 3): known values of the size
-  /// components, or undefined.
+  /// mean, deviation (N, D), deviations above zero.
   GaussianDistribution(const at::Tensor& mean, const at::Tensor& deviation,
-                       std::shared_ptr<const BoxCodec> codec, const References& references,
-                       at::Tensor sizes = {});
+                       std::shared_ptr<const BoxCodec> codec, const References& references);
 
-  std::int64_t size() const override { return mean_.size(0); }
-  Measure measure() const override { return Measure::kDensity; }
   Draws mode(int beam_width) const override;
   Draws sample(int count, const Streams& streams, double temperature) const override;
   at::Tensor mean() const override;
   at::Tensor log_density(const at::Tensor& boxes) const override;
-  std::unique_ptr<BoxDistribution> select(const at::Tensor& index) const override;
-  std::unique_ptr<BoxDistribution> given_sizes(const at::Tensor& sizes) const override;
 
  private:
-  Draws draws_of(at::Tensor values) const;
+  std::unique_ptr<IndependentDistribution> clone() const override;
+  void keep_rows(const at::Tensor& index) override;
+  at::Tensor density_of(const at::Tensor& values, const std::vector<int>& of) const override;
+  Draws draws_of(const at::Tensor& values) const;
   /// (N, M, D) -> (N, M), without the size components where they are known.
   at::Tensor vector_density(const at::Tensor& values) const;
 
   at::Tensor mean_, deviation_;
-  std::shared_ptr<const BoxCodec> codec_;
-  References references_;
-  at::Tensor sizes_;
 };
 
 }  // namespace arbox::heads

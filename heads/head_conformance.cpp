@@ -6,6 +6,7 @@
 #include <ATen/ops/isfinite.h>
 #include <ATen/ops/zeros.h>
 
+#include <array>
 #include <cmath>
 #include <exception>
 #include <limits>
@@ -233,6 +234,32 @@ class Check {
     expect(near(boxes.slice(2, 3, 6), sizes.unsqueeze(1).expand({kObjects, kDraws, 3})),
            "given_sizes(): draws have other sizes");
     draws(given->mode(kBeams), *given, kBeams, false, "mode of known sizes");
+    density_of_sizes();
+  }
+
+  /// p(box | h) = p(size | h) p(rest | size, h), where a box has one vector.
+  void density_of_sizes() {
+    const auto distribution = head_->forward(objects_.input);
+    const Tensor boxes = distribution->sample(1, {5, ids(kObjects)}).boxes.select(1, 0);
+    const Tensor sizes = boxes.slice(1, 3, 6);
+    if (distribution->measure() == Measure::kNone) {
+      expect(throws<NotAvailable>([&] { distribution->log_size_density(sizes); }),
+             "log_size_density() without a likelihood must throw NotAvailable");
+      return;
+    }
+    Tensor density;
+    try {
+      density = distribution->log_size_density(sizes);
+    } catch (const NotAvailable&) {
+      return;
+    }
+    expect(density.sizes() == (std::vector<std::int64_t>{kObjects}),
+           "log_size_density() is not (N)");
+    const ComponentSet set = context_.codec->equivalents(boxes, objects_.input.references);
+    if (set.mask.size(1) > 1) return;
+    expect(near(distribution->log_density(boxes),
+                density + distribution->given_sizes(sizes)->log_density(boxes)),
+           "log_size_density() and given_sizes() do not make log_density()");
   }
 
   void loss() {
@@ -325,17 +352,17 @@ struct Setting {
   std::shared_ptr<const BoxCodec> codec;
 };
 
-std::vector<Setting> settings() {
+std::array<Setting, 4> settings() {
   YawCodecOptions residual = ResidualCodec::defaults(), scaled = ScaledCodec::defaults();
   QuartileCodecOptions quartile;
   residual.bins = scaled.bins = quartile.bins = 64;
   quartile.size_high = 4;
   quartile.center_low = -4;
   quartile.center_high = 4;
-  return {{"residual codec", std::make_shared<ResidualCodec>(residual)},
-          {"scaled codec", std::make_shared<ScaledCodec>(scaled)},
-          {"scaled codec without yaw", std::make_shared<ScaledCodec>(scaled, false)},
-          {"quartile codec", std::make_shared<QuartileCodec>(quartile)}};
+  return {{{"residual codec", std::make_shared<ResidualCodec>(residual)},
+           {"scaled codec", std::make_shared<ScaledCodec>(scaled)},
+           {"scaled codec without yaw", std::make_shared<ScaledCodec>(scaled, false)},
+           {"quartile codec", std::make_shared<QuartileCodec>(quartile)}}};
 }
 
 }  // namespace

@@ -81,6 +81,12 @@ Tensor canonical_signs(const Tensor& rotations) {
   return best + start;
 }
 
+/// Where the bins of beta end if pi / 2 is one of them.
+double beta_end(int bins) {
+  const bool between = bins % 2 == 0 && bins > 2;
+  return between ? std::numbers::pi * (bins - 1) / (bins - 2) : std::numbers::pi;
+}
+
 Tensor rows_of(const Tensor& tensor, const Tensor& index) {
   return at::gather(tensor, 1,
                     index.unsqueeze(-1).expand({index.size(0), index.size(1), tensor.size(2)}));
@@ -98,15 +104,24 @@ QuartileCodec::QuartileCodec(QuartileCodecOptions options) : options_(std::move(
       options_.center_low >= options_.center_high) {
     throw ConfigError("codec: expected at least 2 bins and ranges with low < high");
   }
-  for (const char* name : {"length", "width", "height"}) {
-    components_.push_back({name, options_.size_low, options_.size_high, options_.bins, false});
+  if (!size_first() && options_.order != "center_size_rotation") {
+    throw ConfigError("codec order: expected size_center_rotation or center_size_rotation, got '" +
+                      options_.order + "'");
   }
+  const auto add_sizes = [this] {
+    for (const char* name : {"length", "width", "height"}) {
+      components_.push_back({name, options_.size_low, options_.size_high, options_.bins, false});
+    }
+  };
+  if (size_first()) add_sizes();
   for (const char* name : {"x", "y", "z"}) {
     components_.push_back({name, options_.center_low, options_.center_high, options_.bins, false});
   }
+  if (!size_first()) add_sizes();
   constexpr double pi = std::numbers::pi;
   components_.push_back({"alpha", 0.0, 2 * pi, options_.bins, true});
-  components_.push_back({"beta", 0.0, pi, options_.bins, false});
+  components_.push_back(
+      {"beta", 0.0, options_.beta_high.value_or(beta_end(options_.bins)), options_.bins, false});
   components_.push_back({"gamma", 0.0, 2 * pi, options_.bins, true});
 }
 
@@ -130,10 +145,11 @@ ComponentSet QuartileCodec::equivalents(const Tensor& boxes, const References& r
     sizes = rows_of(sizes, index);
   }
   const std::int64_t vectors = sizes.size(1);
-  return {
-      at::cat({sizes, center.unsqueeze(1).expand({count, vectors, 3}), internal::zyz_of(rotations)},
-              -1),
-      at::ones({count, vectors}, boxes.options().dtype(at::kBool))};
+  const Tensor centers = center.unsqueeze(1).expand({count, vectors, 3});
+  return {at::cat({size_first() ? sizes : centers, size_first() ? centers : sizes,
+                   internal::zyz_of(rotations)},
+                  -1),
+          at::ones({count, vectors}, boxes.options().dtype(at::kBool))};
 }
 
 Tensor QuartileCodec::encode(const Tensor& boxes, const References& references) const {
@@ -146,12 +162,17 @@ Tensor QuartileCodec::decode(const Tensor& components, const References& referen
   references.require_valid("decode");
   const Tensor scale = references.size.slice(-1, 0, 1).unsqueeze(1);
   const Tensor turn = references.rotation.unsqueeze(1);
-  const Tensor center =
-      references.origin.unsqueeze(1) + internal::rotate(turn, components.slice(-1, 3, 6) * scale);
+  const Tensor first = components.slice(-1, 0, 3), second = components.slice(-1, 3, 6);
+  const Tensor center = references.origin.unsqueeze(1) +
+                        internal::rotate(turn, (size_first() ? second : first) * scale);
   return at::cat(
-      {center, at::clamp(components.slice(-1, 0, 3) * scale, kLeastDecodedSize),
+      {center, at::clamp((size_first() ? first : second) * scale, kLeastDecodedSize),
        internal::quaternion_product(turn, internal::zyz_quaternion(components.slice(-1, 6, 9)))},
       -1);
+}
+
+std::vector<int> QuartileCodec::size_components() const {
+  return size_first() ? std::vector{0, 1, 2} : std::vector{3, 4, 5};
 }
 
 Tensor QuartileCodec::encode_sizes(const Tensor& sizes, const References& references) const {

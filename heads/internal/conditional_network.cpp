@@ -24,6 +24,21 @@ std::int64_t block_rows(std::int64_t rows, std::int64_t most, int threads) {
   return std::min(most, divide_up(divide_up(rows, blocks), kTileRows) * kTileRows);
 }
 
+/// `rows` rows of input through a layer; the output has the layer's columns.
+void run_layer(const PackedLayer& layer, const float* input, std::int64_t input_stride,
+               float* output, std::int64_t rows, float leak) {
+  mlp_kernels().layer({.input = input,
+                       .input_stride = input_stride,
+                       .output = output,
+                       .output_stride = layer.columns,
+                       .rows = rows,
+                       .weight = layer.weight.data(),
+                       .bias = layer.bias.data(),
+                       .in = layer.in,
+                       .columns = layer.columns,
+                       .leak = leak});
+}
+
 }  // namespace
 
 ConditionalNetwork::ConditionalNetwork(const PackedNetwork& network, int threads)
@@ -45,16 +60,8 @@ const float* ConditionalNetwork::object_part(std::int32_t index) {
   part.resize(features_.objects * layer.columns);
   const std::int64_t grain = block_rows(features_.objects, kBlockRows, threads_);
   parallel_for(features_.objects, grain, threads_, [&](std::int64_t begin, std::int64_t end) {
-    mlp_kernels().layer({.input = features_.values + begin * features_.width,
-                         .input_stride = features_.width,
-                         .output = part.data() + begin * layer.columns,
-                         .output_stride = layer.columns,
-                         .rows = end - begin,
-                         .weight = layer.weight.data(),
-                         .bias = layer.bias.data(),
-                         .in = layer.in,
-                         .columns = layer.columns,
-                         .leak = 1.0f});
+    run_layer(layer, features_.values + begin * features_.width, features_.width,
+              part.data() + begin * layer.columns, end - begin, 1.0f);
   });
   return part.data();
 }
@@ -75,16 +82,8 @@ LogitBlock ConditionalNetwork::evaluate_block(const PackedComponent& component,
                               .output = workspace.current.data() + (r - begin) * columns});
   }
   for (const PackedLayer& layer : component.rest) {
-    mlp_kernels().layer({.input = workspace.current.data(),
-                         .input_stride = columns,
-                         .output = workspace.next.data(),
-                         .output_stride = layer.columns,
-                         .rows = end - begin,
-                         .weight = layer.weight.data(),
-                         .bias = layer.bias.data(),
-                         .in = layer.in,
-                         .columns = layer.columns,
-                         .leak = &layer == &component.rest.back() ? 1.0f : network_.leak()});
+    run_layer(layer, workspace.current.data(), columns, workspace.next.data(), end - begin,
+              &layer == &component.rest.back() ? 1.0f : network_.leak());
     columns = layer.columns;
     workspace.current.swap(workspace.next);
   }

@@ -104,6 +104,11 @@ TEST(Codec, EveryEquivalentVectorDecodesToTheSameBox) {
   for (const char* set : {"one", "canonical", "all"}) {
     expect_same_shapes(QuartileCodec({.equivalents = set}), false);
   }
+  const QuartileCodec center_first({.order = "center_size_rotation"});
+  expect_same_shapes(center_first, false);
+  EXPECT_EQ(center_first.size_components(), (std::vector<int>{3, 4, 5}));
+  EXPECT_EQ(center_first.components()[3].name, "length");
+  EXPECT_THROW(QuartileCodec({.order = "rotation_first"}), ConfigError);
 }
 
 TEST(Codec, EquivalentSetsHaveTheDocumentedSizes) {
@@ -177,6 +182,25 @@ TEST(Quantizer, QuantisedValuesAreWithinHalfAStep) {
     EXPECT_LE(at::abs(back.select(1, column) - values.select(1, column)).max().item<double>(),
               0.5 * codec.components()[i].step() + 1e-6);
   }
+}
+
+// Boxes on the ground under a crop that is upright: their beta is 0, pi / 2 or pi, and rounding
+// must neither tilt them nor choose their label.
+TEST(Codec, UprightBoxesHaveBetaOnABin) {
+  const std::int64_t count = 200;
+  const Case data = make_case(true, 8);
+  const at::Tensor boxes = to_tensor(data.boxes, at::kFloat);
+  for (const int bins : {64, 511, 512}) {
+    const QuartileCodec codec({.bins = bins});
+    const ComponentSet set = codec.equivalents(boxes, data.references.detached());
+    const at::Tensor beta = set.values.slice(-1, 7, 8);
+    const std::vector<Component> component = {codec.components()[7]};
+    const at::Tensor error = (dequantize(quantize(beta, component), component) - beta).abs();
+    EXPECT_LT(error.max().item<double>(), 2e-3) << bins;
+    EXPECT_EQ(error.numel(), count * 6);
+  }
+  const QuartileCodec published({.beta_high = kPi});
+  EXPECT_EQ(published.components()[7].high, kPi);
 }
 
 TEST(Codec, EmptyBatchesAndBadShapesAreDefined) {

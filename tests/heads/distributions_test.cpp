@@ -4,6 +4,7 @@
 #include <ATen/ops/full.h>
 #include <ATen/ops/log_softmax.h>
 #include <ATen/ops/stack.h>
+#include <ATen/ops/tensor.h>
 #include <ATen/ops/zeros.h>
 #include <gtest/gtest.h>
 
@@ -139,6 +140,47 @@ TEST(GaussianDistribution, KnownSizesAreKeptAndDoNotCount) {
   EXPECT_NEAR(best.log_density[0][0].item<double>(), peak, 1e-3);
   EXPECT_TRUE(
       given->log_density(distribution.mode(1).boxes.select(1, 0)).isinf().all().item<bool>());
+}
+
+TEST(GaussianDistribution, DensityOfSizesIsThatOfTheirComponents) {
+  const HeadContext context = {
+      .features = 4, .condition = 0, .codec = std::make_shared<ScaledCodec>()};
+  const auto objects = arbox::testing::random_objects(context, 3, 6);
+  const GaussianDistribution distribution(at::full({3, 7}, 0.4f), at::full({3, 7}, 0.1f),
+                                          context.codec, objects.input.references);
+  const at::Tensor sizes = distribution.mean().slice(1, 3, 6);
+  const double peak = -3 * std::log(0.1 * std::sqrt(2 * std::numbers::pi));
+  EXPECT_LT((distribution.log_size_density(sizes) - peak).abs().max().item<double>(), 1e-3);
+  // One deviation off in one component.
+  at::Tensor longer = sizes.clone();
+  longer.select(1, 0) += 0.1 * objects.input.references.size.select(1, 0);
+  EXPECT_LT((distribution.log_size_density(longer) - (peak - 0.5)).abs().max().item<double>(),
+            1e-3);
+  EXPECT_LT((distribution.given_sizes(sizes)->log_size_density(longer) - (peak - 0.5))
+                .abs()
+                .max()
+                .item<double>(),
+            1e-3);
+}
+
+TEST(DiscreteDistribution, DensityOfSizesIsTheirBinsMassOverTheirWidth) {
+  YawCodecOptions options = ScaledCodec::defaults();
+  options.bins = 9;
+  options.size_high = 8;
+  const auto codec = std::make_shared<ScaledCodec>(options);
+  const HeadContext context = {.features = 4, .condition = 0, .codec = codec};
+  const auto objects = arbox::testing::random_objects(context, 2, 6);
+  std::vector<at::Tensor> columns;
+  for (int i = 0; i < 7; ++i) {
+    columns.push_back(random_log_probability(2, i == 6 ? 8 : 9, 20 + static_cast<unsigned>(i)));
+  }
+  const DiscreteDistribution distribution(columns, CircularEnds::kMerged, codec,
+                                          objects.input.references);
+  const at::Tensor scale = objects.input.references.size.slice(1, 0, 1);
+  const at::Tensor sizes = scale * at::tensor({2.0, 5.0, 7.4});
+  at::Tensor expected = columns[0].select(1, 2) + columns[1].select(1, 5) + columns[2].select(1, 7);
+  EXPECT_TRUE(at::allclose(distribution.log_size_density(sizes), expected, 1e-5, 1e-5));
+  EXPECT_TRUE(distribution.log_size_density(sizes + 9 * scale).isinf().all().item<bool>());
 }
 
 TEST(PointDistribution, RepeatsItsBoxAndHasNoLikelihood) {

@@ -1,20 +1,15 @@
 #include "arbox/heads/internal/mlp_kernel.h"
 
+#include "arbox/base/internal/float_lanes.h"
+
 // Compiled three times; see arbox_simd_sources in cmake/ArboxTargets.cmake. Nothing inline from a
 // library may be used here.
-
-#if defined(__AVX512F__)
-#define ARBOX_LANES 16
-#elif defined(__AVX2__)
-#define ARBOX_LANES 8
-#else
-#define ARBOX_LANES 4
-#endif
 
 namespace arbox::heads::internal::ARBOX_SIMD {
 namespace {
 
-constexpr int kLanes = ARBOX_LANES;
+using namespace arbox::internal::ARBOX_SIMD;
+
 constexpr int kVectors = kLanes == 16 ? 4 : 2;
 constexpr int kPanel = kLanes * kVectors;
 // Rows and inputs of one pass of the innermost loop: the sums stay in registers, the weights of the
@@ -22,14 +17,6 @@ constexpr int kPanel = kLanes * kVectors;
 constexpr int kTile = kLanes == 4 ? 4 : 6;
 constexpr int kDepth = 256;
 
-typedef float Vector __attribute__((vector_size(kLanes * sizeof(float))));
-typedef float Unaligned __attribute__((vector_size(kLanes * sizeof(float)), aligned(4)));
-typedef std::int32_t Integers __attribute__((vector_size(kLanes * sizeof(float))));
-
-inline Vector load(const float* from) {
-  return (Vector) * reinterpret_cast<const Unaligned*>(from);
-}
-inline void store(float* to, Vector value) { *reinterpret_cast<Unaligned*>(to) = value; }
 inline Vector leaky(Vector value, float leak) { return value > 0.0f ? value : value * leak; }
 
 /// Inputs [begin, begin + depth) of kRows rows, a panel of outputs.

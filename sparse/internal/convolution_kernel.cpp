@@ -1,31 +1,18 @@
 #include "arbox/sparse/internal/convolution_kernel.h"
 
+#include "arbox/base/internal/float_lanes.h"
+
 // Compiled three times; see arbox_simd_sources in cmake/ArboxTargets.cmake. Nothing inline from a
 // library may be used here.
-
-#if defined(__AVX512F__)
-#define ARBOX_LANES 16
-#elif defined(__AVX2__)
-#define ARBOX_LANES 8
-#else
-#define ARBOX_LANES 4
-#endif
 
 namespace arbox::sparse::internal::ARBOX_SIMD {
 namespace {
 
-constexpr int kLanes = ARBOX_LANES;
+using namespace arbox::internal::ARBOX_SIMD;
+
 constexpr int kWidest = kLanes == 16 ? 4 : 2;
 // Input channels a pass: the weights of one pass stay in the first-level cache.
 constexpr int kDepth = 64;
-
-typedef float Vector __attribute__((vector_size(kLanes * sizeof(float))));
-typedef float Unaligned __attribute__((vector_size(kLanes * sizeof(float)), aligned(4)));
-
-inline Vector load(const float* from) {
-  return (Vector) * reinterpret_cast<const Unaligned*>(from);
-}
-inline void store(float* to, Vector value) { *reinterpret_cast<Unaligned*>(to) = value; }
 
 template <int kRows, int kVectors>
 inline void block(const float* const* inputs, float* const* outputs, int input_begin,

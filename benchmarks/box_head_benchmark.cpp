@@ -50,7 +50,8 @@ void sampling(benchmark::State& state, double gain) {
     draws = sample(network, features.rows(), features.ids, 7, count, 1.0, {}, options);
     benchmark::DoNotOptimize(draws);
   }
-  std::int64_t prefixes = 0;  // distinct vectors of the components before the last, an object
+  // Distinct vectors of the components before the last, an object.
+  std::int64_t prefixes = 0, most = 0;
   for (std::int64_t object = 0; object < draws.objects; ++object) {
     std::vector<std::vector<std::int32_t>> seen;
     for (std::int32_t k = 0; k < count; ++k) {
@@ -58,9 +59,12 @@ void sampling(benchmark::State& state, double gain) {
       seen.emplace_back(row, row + kComponents - 1);
     }
     std::sort(seen.begin(), seen.end());
-    prefixes += std::unique(seen.begin(), seen.end()) - seen.begin();
+    const std::int64_t distinct = std::unique(seen.begin(), seen.end()) - seen.begin();
+    prefixes += distinct;
+    most = std::max(most, distinct);
   }
   state.counters["prefixes"] = static_cast<double>(prefixes) / static_cast<double>(draws.objects);
+  state.counters["most_prefixes"] = static_cast<double>(most);
 }
 
 void beam(benchmark::State& state) {

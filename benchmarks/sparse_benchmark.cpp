@@ -13,6 +13,7 @@
 #include "arbox/sparse/coordinate_manager.h"
 #include "arbox/sparse/point_search.h"
 #include "arbox/sparse/set_abstraction.h"
+#include "hashed_kernel_map.h"
 #include "sgemm_pace.h"
 #include "sparse_clouds.h"
 
@@ -30,9 +31,12 @@ void use_threads(int threads) {
   at::set_num_threads(threads);
 }
 
+std::vector<Coordinate> made_voxels(const std::string& cloud, std::size_t count) {
+  return cloud == "kitti" ? kitti_voxels(count) : room_voxels(count);
+}
+
 CoordinateSetPtr made_set(const std::string& cloud, std::size_t count) {
-  const auto voxels = cloud == "kitti" ? kitti_voxels(count) : room_voxels(count);
-  return std::make_shared<const CoordinateSet>(voxels, Lattice{});
+  return std::make_shared<const CoordinateSet>(made_voxels(cloud, count), Lattice{});
 }
 
 /// A convolution over a map that is there, with random numbers.
@@ -122,8 +126,24 @@ void kernel_map(benchmark::State& state, const std::string& cloud, std::size_t c
   });
 }
 
-void insertion(benchmark::State& state, std::size_t count) {
-  const auto voxels = room_voxels(count);
+void kernel_map_by_hash(benchmark::State& state, const std::string& cloud, std::size_t count,
+                        int threads) {
+  use_threads(threads);
+  const auto voxels = made_voxels(cloud, count);
+  if (voxels.empty()) return state.SkipWithError("ARBOX_DATA is not set");
+  KernelMap map;
+  time_beside_sgemm(state, 0, [&] { map = hashed_kernel_map(voxels, threads); });
+  CoordinateManager manager;
+  const auto set = std::make_shared<const CoordinateSet>(voxels, Lattice{});
+  if (map.pairs() != manager.convolution(set, {}).map->pairs()) {
+    state.SkipWithError("the two maps differ");
+  }
+}
+
+void insertion(benchmark::State& state, const std::string& cloud, std::size_t count) {
+  use_threads(2);
+  const auto voxels = made_voxels(cloud, count);
+  if (voxels.empty()) return state.SkipWithError("ARBOX_DATA is not set");
   time_beside_sgemm(state, 0, [&] { CoordinateSet(voxels, Lattice{}); });
 }
 
@@ -219,6 +239,7 @@ void add_cloud(const std::string& cloud, std::size_t count) {
   for (const int threads : {1, 2}) {
     const std::string end = "/threads_" + std::to_string(threads);
     add("kernel_map/" + set + "k3" + end, kernel_map, cloud, count, threads, Kernel{});
+    add("kernel_map_by_hash/" + set + "k3" + end, kernel_map_by_hash, cloud, count, threads);
     for (const std::int32_t channels : {16, 32, 64, 128}) {
       const std::string name = set + std::to_string(channels) + end;
       add("forward/" + name, convolution, cloud, count, channels, threads, Pass::kForward);
@@ -229,6 +250,7 @@ void add_cloud(const std::string& cloud, std::size_t count) {
       add("naive_forward/" + name, convolution, cloud, count, channels, threads, Pass::kNaive);
     }
   }
+  add("insertion/" + cloud + "_" + std::to_string(count), insertion, cloud, count);
   add("kernel_map/" + set + "k3_s2/threads_2", kernel_map, cloud, count, 2,
       Kernel{.stride = {2, 2, 2}});
 }
@@ -237,7 +259,6 @@ const bool registered = [] {
   for (const std::size_t count : {20000, 50000, 100000, 200000}) add_cloud("room", count);
   for (const std::size_t count : {20000, 50000, 200000}) add_cloud("kitti", count);
   for (const std::size_t count : {50000, 200000}) {
-    add("insertion/room_" + std::to_string(count), insertion, count);
     add("stride2_64_64/room_" + std::to_string(count), strided, count);
   }
   add("generative_256_128/map_cached", generative, true);

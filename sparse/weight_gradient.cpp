@@ -12,6 +12,7 @@ namespace {
 // Pairs whose rows stay in the first-level cache while every block of channels passes over them.
 constexpr std::int64_t kPairsAtOnce = 64;
 constexpr std::int64_t kTileRows = 512;
+constexpr std::int32_t kLineFloats = 16;
 constexpr std::int64_t kWorkspace = 32 << 20;
 constexpr std::int64_t kMostRanges = 16;
 
@@ -31,10 +32,18 @@ void add_pairs(const internal::KernelTable& kernel, const Problem& problem, std:
   const auto& [map, rows, input, gradient_output, in_channels, out_channels, columns] = problem;
   const float* inputs[kPairsAtOnce];
   const float* outputs[kPairsAtOnce];
+  const auto input_of = [&](std::int64_t pair) {
+    return input + std::int64_t{rows.inputs[map.inputs[pair]]} * in_channels;
+  };
   for (std::int64_t from = begin; from < end; from += kPairsAtOnce) {
     const std::int64_t count = std::min(kPairsAtOnce, end - from);
+    // The rows of the next pairs come from afar while these are multiplied.
+    for (std::int64_t p = from + count; p < std::min(from + count + kPairsAtOnce, end); ++p) {
+      const float* row = input_of(p);
+      for (std::int32_t c = 0; c < in_channels; c += kLineFloats) __builtin_prefetch(row + c);
+    }
     for (std::int64_t p = 0; p < count; ++p) {
-      inputs[p] = input + std::int64_t{rows.inputs[map.inputs[from + p]]} * in_channels;
+      inputs[p] = input_of(from + p);
       outputs[p] =
           gradient_output + std::int64_t{rows.outputs[map.outputs[from + p]]} * out_channels;
       if (columns == out_channels) continue;

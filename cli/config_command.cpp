@@ -37,18 +37,18 @@ Json describe(const BoundOptions& options) {
 }
 
 void list(const ConfigFlags& flags) {
-  const std::vector<CatalogEntry> catalog = options_catalog();
+  const std::vector<CatalogName> catalog = options_names();
   if (flags.json) {
     Json entries = Json::array();
-    for (const CatalogEntry& entry : catalog) {
+    for (const CatalogName& entry : catalog) {
       entries.push_back({{"name", entry.name}, {"help", entry.help}});
     }
     std::cout << entries.dump(2) << '\n';
     return;
   }
   std::size_t width = 0;
-  for (const CatalogEntry& entry : catalog) width = std::max(width, entry.name.size());
-  for (const CatalogEntry& entry : catalog) {
+  for (const CatalogName& entry : catalog) width = std::max(width, entry.name.size());
+  for (const CatalogName& entry : catalog) {
     std::cout << std::left << std::setw(static_cast<int>(width) + 2) << entry.name << entry.help
               << '\n';
   }

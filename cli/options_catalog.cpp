@@ -1,5 +1,8 @@
 #include "arbox/cli/options_catalog.h"
 
+#include <algorithm>
+#include <optional>
+
 #include "arbox/base/names.h"
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/program_registry.h"
@@ -7,6 +10,7 @@
 #include "arbox/drawing/scene.h"
 #include "arbox/geometry/nms.h"
 #include "arbox/geometry/quantile_box.h"
+#include "arbox/heads/built_in_heads.h"
 #include "arbox/io/point_cloud_file.h"
 #include "arbox/simulation/street_stream.h"
 
@@ -14,15 +18,10 @@ namespace arbox::cli {
 
 namespace {
 
-void add_entries(const Registry& registry, std::vector<CatalogEntry>& catalog) {
-  for (const RegistryEntry& entry : registry.entries()) {
-    catalog.push_back({entry.kind + "/" + entry.name, entry.help, entry.options});
-  }
-}
+using Catalog = std::vector<CatalogEntry>;
 
-/// What needs no LibTorch.
-std::vector<CatalogEntry> quick_catalog() {
-  std::vector<CatalogEntry> catalog = {
+Catalog library_catalog() {
+  return {
       {"nms", "Non-maximum suppression", &make_options<geometry::NmsOptions>},
       {"quantile_box", "Quantile boxes of box samples", &make_options<geometry::QuantileOptions>},
       {"read_cloud", "How a point cloud is read", &make_options<io::ReadOptions>},
@@ -30,31 +29,55 @@ std::vector<CatalogEntry> quick_catalog() {
       {"street_scan", "How streets are simulated", &make_options<simulation::StreetScanOptions>},
       {"write_cloud", "How a point cloud is written", &make_options<io::WriteOptions>},
   };
+}
+
+Catalog registry_catalog(const Registry& registry) {
+  Catalog catalog;
+  for (const RegistryEntry& entry : registry.entries()) {
+    catalog.push_back({entry.kind + "/" + entry.name, entry.help, entry.options});
+  }
   return catalog;
+}
+
+std::optional<CatalogEntry> find_in(const Catalog& catalog, std::string_view name) {
+  for (const CatalogEntry& entry : catalog) {
+    if (entry.name == name) return entry;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
-std::vector<CatalogEntry> options_catalog() {
-  std::vector<CatalogEntry> catalog = quick_catalog();
-  if (has_torch_module()) {
-    catalog.push_back({"codec", "How heads turn boxes into numbers", torch_module().codec_options});
+std::vector<CatalogName> options_names() {
+  std::vector<CatalogName> names;
+  const auto add = [&](const CatalogName& name) {
+    const bool known = std::any_of(names.begin(), names.end(),
+                                   [&](const auto& other) { return other.name == name.name; });
+    if (!known) names.push_back(name);
+  };
+  for (const CatalogEntry& entry : library_catalog()) add({entry.name, entry.help});
+  for (const CatalogEntry& entry : registry_catalog(program_registry())) {
+    add({entry.name, entry.help});
   }
-  add_entries(full_program_registry(), catalog);
-  return catalog;
+  if (!has_torch_module()) return names;
+  for (const TorchOptions& options : kTorchOptions) add({options.name, options.help});
+  for (const heads::BuiltInHead& head : heads::kBuiltInHeads) {
+    add({std::string("head/") + head.name, head.help});
+  }
+  return names;
 }
 
 CatalogEntry find_options(std::string_view name) {
-  std::vector<CatalogEntry> quick = quick_catalog();
-  add_entries(program_registry(), quick);
-  for (const CatalogEntry& entry : quick) {
-    if (entry.name == name) return entry;
+  if (const auto entry = find_in(library_catalog(), name)) return *entry;
+  if (const auto entry = find_in(registry_catalog(program_registry()), name)) return *entry;
+  for (const TorchOptions& options : kTorchOptions) {
+    if (name == options.name && has_torch_module()) {
+      return {options.name, options.help, torch_module().find_options(name)};
+    }
   }
+  if (const auto entry = find_in(registry_catalog(full_program_registry()), name)) return *entry;
   std::vector<std::string> names;
-  for (const CatalogEntry& entry : options_catalog()) {
-    if (entry.name == name) return entry;
-    names.push_back(entry.name);
-  }
+  for (const CatalogName& known : options_names()) names.push_back(known.name);
   throw UsageError(unknown_name_text("options", name, names));
 }
 

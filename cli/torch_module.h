@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "arbox/base/registry.h"
@@ -50,12 +52,21 @@ struct ImportResult {
   std::vector<std::string> unused;
 };
 
+/// Options structs of the library beside those of what it registers.
+struct TorchOptions {
+  const char* name;
+  const char* help;
+};
+inline constexpr std::array<TorchOptions, 2> kTorchOptions = {
+    {{"codec", "How heads turn boxes into numbers"},
+     {"conditioning", "How boxes of known sizes are searched and compared"}}};
+
 /// The functions of the library.
 struct TorchModule {
   /// Declares the kinds that pass tensors and adds what is built in of them.
   void (*register_built_ins)(Registry& registry);
-  /// Makes heads::CodecOptions.
-  OptionsMaker codec_options;
+  /// What makes the options struct of a name of kTorchOptions; null for any other name.
+  OptionsMaker (*find_options)(std::string_view name);
   FitBinsResult (*fit_bins)(const FitBinsRequest& request);
   ImportResult (*import_openpcdet)(const ImportRequest& request);
 };

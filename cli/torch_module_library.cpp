@@ -1,6 +1,7 @@
 #include "arbox/base/options.h"
 #include "arbox/cli/torch_module.h"
 #include "arbox/detectors/pv_rcnn/import_openpcdet.h"
+#include "arbox/heads/conditioning.h"
 #include "arbox/heads/fit_ranges.h"
 #include "arbox/heads/head_kind.h"
 
@@ -14,6 +15,12 @@ namespace {
 void register_built_ins(Registry& registry) {
   heads::declare_heads(registry);
   registry.add_built_in(heads::register_heads);
+}
+
+OptionsMaker find_options(std::string_view name) {
+  if (name == "codec") return &make_options<heads::CodecOptions>;
+  if (name == "conditioning") return &make_options<heads::ConditioningOptions>;
+  return nullptr;
 }
 
 FitBinsResult fit_bins(const FitBinsRequest& request) {
@@ -55,8 +62,7 @@ ImportResult import_openpcdet(const ImportRequest& request) {
 extern "C" __attribute__((visibility("default"))) const arbox::cli::TorchModule*
 arbox_torch_module() {
   using namespace arbox;
-  static const cli::TorchModule module = {&cli::register_built_ins,
-                                          &make_options<heads::CodecOptions>, &cli::fit_bins,
-                                          &cli::import_openpcdet};
+  static const cli::TorchModule module = {&cli::register_built_ins, &cli::find_options,
+                                          &cli::fit_bins, &cli::import_openpcdet};
   return &module;
 }

@@ -3,6 +3,7 @@
 #include "arbox/base/error.h"
 #include "arbox/base/plugin_loader.h"
 #include "arbox/heads/autoregressive_head.h"
+#include "arbox/heads/built_in_heads.h"
 #include "arbox/heads/discrete_head.h"
 #include "arbox/heads/four_point_head.h"
 #include "arbox/heads/gaussian_head.h"
@@ -12,8 +13,8 @@ namespace arbox::heads {
 namespace {
 
 template <class Head, class Options>
-void add(Registrar& registrar, const char* name, const char* help) {
-  registrar.add<HeadKind, Options>(name, help,
+void add(Registrar& registrar, const BuiltInHead& head) {
+  registrar.add<HeadKind, Options>(head.name, head.help,
                                    [](const Options& options, const HeadContext& context) {
                                      return std::make_shared<Head>(options, context);
                                    });
@@ -22,16 +23,11 @@ void add(Registrar& registrar, const char* name, const char* help) {
 }  // namespace
 
 void register_heads(Registrar& registrar) {
-  add<AutoregressiveHead, AutoregressiveOptions>(
-      registrar, "autoregressive", "Bins of each component, given those before: any distribution");
-  add<DiscreteHead, DiscreteOptions>(registrar, "discrete",
-                                     "Bins of each component, independent of the others");
-  add<FourPointHead, FourPointOptions>(registrar, "four_point",
-                                       "A corner and its neighbours: one box, any rotation");
-  add<GaussianHead, GaussianOptions>(registrar, "gaussian",
-                                     "Mean and variance of each component, independent");
-  add<PointwiseHead, PointwiseOptions>(registrar, "pointwise",
-                                       "One value of each component: one box");
+  add<AutoregressiveHead, AutoregressiveOptions>(registrar, kAutoregressive);
+  add<DiscreteHead, DiscreteOptions>(registrar, kDiscrete);
+  add<FourPointHead, FourPointOptions>(registrar, kFourPoint);
+  add<GaussianHead, GaussianOptions>(registrar, kGaussian);
+  add<PointwiseHead, PointwiseOptions>(registrar, kPointwise);
 }
 
 Registry make_head_registry() {

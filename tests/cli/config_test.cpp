@@ -59,6 +59,19 @@ TEST(ConfigShow, WhatItPrintsIsAccepted) {
   }
 }
 
+TEST(ConfigList, NamesEverythingThatIsBuiltIn) {
+  const std::string listed = config({"list"}).output;
+  const json built_in = json::parse(run_arbox({"plugins", "list", "--json"}).output).at("built_in");
+  EXPECT_GE(built_in.size(), 6U);
+  for (const json& entry : built_in) {
+    const std::string name =
+        entry.at("kind").get<std::string>() + "/" + entry.at("name").get<std::string>();
+    EXPECT_THAT(listed, HasSubstr("\n" + name + " "))
+        << "options_names() in cli/options_catalog.cpp does not list it";
+    EXPECT_THAT(listed, HasSubstr(entry.at("help").get<std::string>()));
+  }
+}
+
 TEST(ConfigCheck, TellsEveryViolationInOneLine) {
   const TemporaryDirectory folder;
   const auto file = folder.write("a.yaml", "patience: 99\npatence: 1\n");

@@ -10,6 +10,7 @@
 #include "arbox/cli/commands.h"
 #include "arbox/cli/evaluation_figure.h"
 #include "arbox/cli/picture_output.h"
+#include "arbox/cli/progress.h"
 #include "arbox/drawing/image.h"
 #include "arbox/evaluation/indoor_files.h"
 #include "arbox/evaluation/kitti_files.h"
@@ -108,6 +109,22 @@ void give(const Report& report, const std::string& table, const EvaluateFlags& f
   std::cout << table;
 }
 
+std::vector<evaluation::KittiFrame> read_kitti(const EvaluateFlags& flags,
+                                               const std::optional<std::filesystem::path>& split) {
+  const auto names = evaluation::kitti_frame_names(flags.predictions, split);
+  Progress progress("read", static_cast<std::int64_t>(names.size()));
+  return evaluation::read_kitti_frames(flags.labels, flags.predictions, split, 0,
+                                       [&] { progress.advance(); })
+      .frames;
+}
+
+evaluation::KittiReport score_kitti(const std::vector<evaluation::KittiFrame>& frames,
+                                    const evaluation::KittiOptions& options) {
+  Progress progress("score",
+                    evaluation::kKittiCells * static_cast<std::int64_t>(options.classes.size()));
+  return evaluation::evaluate_kitti(frames, options, [&] { progress.advance(); });
+}
+
 void evaluate_kitti(const EvaluateFlags& flags) {
   const evaluation::KittiOptions options = {
       .classes = kitti_classes(flags),
@@ -116,15 +133,20 @@ void evaluate_kitti(const EvaluateFlags& flags) {
   if (!flags.plot.empty()) require_picture("--plot", flags.plot);
   const auto split =
       flags.split.empty() ? std::nullopt : std::optional<std::filesystem::path>(flags.split);
-  const auto read = evaluation::read_kitti_frames(flags.labels, flags.predictions, split);
-  const auto report = evaluation::evaluate_kitti(read.frames, options);
+  const auto frames = read_kitti(flags, split);
+  const auto report = score_kitti(frames, options);
   give(report, evaluation::to_table(report), flags);
+}
+
+std::vector<evaluation::IndoorScene> read_indoor(const EvaluateFlags& flags) {
+  Progress progress("read", evaluation::count_indoor_files(flags.labels, flags.predictions));
+  return evaluation::read_indoor_scenes(flags.labels, flags.predictions, flags.class_names,
+                                        [&] { progress.advance(); });
 }
 
 void evaluate_indoor(const EvaluateFlags& flags) {
   if (!flags.plot.empty()) require_picture("--plot", flags.plot);
-  const auto scenes =
-      evaluation::read_indoor_scenes(flags.labels, flags.predictions, flags.class_names);
+  const auto scenes = read_indoor(flags);
   const auto report = evaluation::evaluate_indoor(scenes, {.thresholds = flags.thresholds,
                                                            .overlap = overlap_of(flags.overlap),
                                                            .classes = flags.classes});

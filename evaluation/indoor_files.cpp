@@ -90,7 +90,7 @@ void read_file(Scenes& scenes, const fs::path& file, Form form, Role role,
   }
 }
 
-std::vector<std::pair<fs::path, Form>> files_of(const fs::path& folder, Role role) {
+std::vector<std::pair<fs::path, Form>> files_in(const fs::path& folder, Role role) {
   std::vector<std::pair<fs::path, Form>> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (const auto form = form_of(entry.path(), role)) files.emplace_back(entry.path(), *form);
@@ -109,29 +109,38 @@ std::vector<std::pair<fs::path, Form>> files_of(const fs::path& folder, Role rol
   return files;
 }
 
-Scenes read_scenes(const fs::path& path, Role role, const std::vector<std::string>& classes) {
-  Scenes scenes;
-  if (fs::is_directory(path)) {
-    for (const auto& [file, form] : files_of(path, role)) {
-      read_file(scenes, file, form, role, classes);
-    }
-    return scenes;
-  }
+std::vector<std::pair<fs::path, Form>> files_of(const fs::path& path, Role role) {
+  if (fs::is_directory(path)) return files_in(path, role);
   if (!fs::exists(path)) throw IoError(path.string() + ": no such file or folder");
   if (form_of(path, role) != Form::kJson) {
     throw IoError(path.string() +
                   ": expected *.json, *.jsonl or a folder, got a file of another name");
   }
-  read_json(scenes, path);
+  return {{path, Form::kJson}};
+}
+
+Scenes read_scenes(const fs::path& path, Role role, const std::vector<std::string>& classes,
+                   const std::function<void()>& read) {
+  Scenes scenes;
+  for (const auto& [file, form] : files_of(path, role)) {
+    read_file(scenes, file, form, role, classes);
+    if (read) read();
+  }
   return scenes;
 }
 
 }  // namespace
 
+std::int64_t count_indoor_files(const fs::path& truth, const fs::path& predictions) {
+  return static_cast<std::int64_t>(files_of(truth, Role::kTruth).size() +
+                                   files_of(predictions, Role::kPredictions).size());
+}
+
 std::vector<IndoorScene> read_indoor_scenes(const fs::path& truth, const fs::path& predictions,
-                                            const std::vector<std::string>& classes) {
-  Scenes true_boxes = read_scenes(truth, Role::kTruth, classes);
-  Scenes predicted_boxes = read_scenes(predictions, Role::kPredictions, classes);
+                                            const std::vector<std::string>& classes,
+                                            const std::function<void()>& read) {
+  Scenes true_boxes = read_scenes(truth, Role::kTruth, classes, read);
+  Scenes predicted_boxes = read_scenes(predictions, Role::kPredictions, classes, read);
   std::vector<IndoorScene> scenes;
   for (auto& [name, boxes] : true_boxes) {
     const auto predicted = predicted_boxes.find(name);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,10 +27,16 @@ namespace arbox::evaluation {
 /// truth. Scenes come sorted by name. Throws IoError for missing paths, folders without such files
 /// or with several kinds, FormatError for what the readers refuse, missing columns or classes, and
 /// scenes that stand twice or on one side only.
-/// `classes` names the numbers that VoteNet's files have in place of names.
+/// `classes` names the numbers that VoteNet's files have in place of names. `read` is called once a
+/// file.
 std::vector<IndoorScene> read_indoor_scenes(const std::filesystem::path& truth,
                                             const std::filesystem::path& predictions,
-                                            const std::vector<std::string>& classes = {});
+                                            const std::vector<std::string>& classes = {},
+                                            const std::function<void()>& read = {});
+
+/// How many files read_indoor_scenes would read. Throws IoError as it does.
+std::int64_t count_indoor_files(const std::filesystem::path& truth,
+                                const std::filesystem::path& predictions);
 
 /// Reads SCENE_gt_map_cls.txt (with_scores false) or SCENE_pred_map_cls.txt (true).
 ///

@@ -63,12 +63,18 @@ KittiFrame read_frame(const fs::path& label, const fs::path& prediction) {
 
 }  // namespace
 
-KittiFrames read_kitti_frames(const fs::path& labels, const fs::path& predictions,
-                              const std::optional<fs::path>& split, int threads) {
-  require_folder(labels, "label files");
+std::vector<std::string> kitti_frame_names(const fs::path& predictions,
+                                           const std::optional<fs::path>& split) {
   require_folder(predictions, "result files");
+  return split ? names_of_split(*split) : names_in_folder(predictions);
+}
+
+KittiFrames read_kitti_frames(const fs::path& labels, const fs::path& predictions,
+                              const std::optional<fs::path>& split, int threads,
+                              const std::function<void()>& read) {
+  require_folder(labels, "label files");
   KittiFrames result;
-  result.names = split ? names_of_split(*split) : names_in_folder(predictions);
+  result.names = kitti_frame_names(predictions, split);
   result.frames.resize(result.names.size());
   std::vector<std::exception_ptr> errors(result.names.size());
   parallel_for(static_cast<std::int64_t>(result.names.size()), kFilesAtOnce, threads,
@@ -81,6 +87,7 @@ KittiFrames read_kitti_frames(const fs::path& labels, const fs::path& prediction
                    } catch (...) {
                      errors[i] = std::current_exception();
                    }
+                   if (read) read();
                  }
                });
   for (const std::exception_ptr& error : errors) {

@@ -173,16 +173,17 @@ std::vector<PreparedKittiFrame> prepare(std::span<const KittiFrame> frames,
 using ClassCells = std::array<std::array<TaskResult, 3>, kKittiMetrics>;
 
 std::vector<ClassCells> run_all(const std::vector<PreparedKittiFrame>& frames,
-                                const KittiOptions& options) {
+                                const KittiOptions& options, const std::function<void()>& scored) {
   std::vector<ClassCells> cells(options.classes.size());
-  constexpr std::int64_t kCells = kKittiMetrics * 3;
-  parallel_for(static_cast<std::int64_t>(cells.size()) * kCells, 1, options.threads,
+  static_assert(kKittiCells == kKittiMetrics * 3);
+  parallel_for(static_cast<std::int64_t>(cells.size()) * kKittiCells, 1, options.threads,
                [&](std::int64_t cell, std::int64_t) {
-                 const auto c = static_cast<std::size_t>(cell / kCells);
-                 const auto metric = static_cast<KittiMetric>(cell % kCells / 3);
+                 const auto c = static_cast<std::size_t>(cell / kKittiCells);
+                 const auto metric = static_cast<KittiMetric>(cell % kKittiCells / 3);
                  const auto difficulty = static_cast<int>(cell % 3);
                  cells[c][metric][static_cast<std::size_t>(difficulty)] =
                      run(frames, {&options.classes[c], metric, difficulty});
+                 if (scored) scored();
                });
   return cells;
 }
@@ -235,9 +236,10 @@ double KittiCurve::r11() const {
   return 100.0 * sum / 11.0;
 }
 
-KittiReport evaluate_kitti(std::span<const KittiFrame> frames, const KittiOptions& options) {
+KittiReport evaluate_kitti(std::span<const KittiFrame> frames, const KittiOptions& options,
+                           const std::function<void()>& scored) {
   require_valid(options);
-  const std::vector<ClassCells> cells = run_all(prepare(frames, options), options);
+  const std::vector<ClassCells> cells = run_all(prepare(frames, options), options, scored);
   KittiReport report{.overlap = options.overlap,
                      .birds_eye_overlap = options.birds_eye_overlap,
                      .frames = static_cast<std::int64_t>(frames.size()),

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -78,6 +79,9 @@ struct KittiCurve {
 /// -1 for labels that it never counts. Decided by the height in the image, occlusion, truncation.
 int kitti_difficulty(const io::KittiObject& label);
 
+/// Three metrics at three difficulties are scored of each class.
+inline constexpr std::int64_t kKittiCells = 9;
+
 /// One curve a difficulty, in the order of kKittiDifficulties.
 using KittiCurves = std::array<KittiCurve, 3>;
 
@@ -110,8 +114,11 @@ struct KittiReport {
 /// The result does not depend on `threads`. Cost: one overlap matrix a frame and metric, then one
 /// matching a frame, class, metric, difficulty and recall point.
 ///
+/// `scored` is called once for each of the kKittiCells cells of a class, from any thread.
+///
 /// Throws InvalidArgument if options.overlap is kIntersection, a threshold is outside of [0, 1), a
 /// class is named twice, or a number of an object is not finite (naming frame and row).
-KittiReport evaluate_kitti(std::span<const KittiFrame> frames, const KittiOptions& options = {});
+KittiReport evaluate_kitti(std::span<const KittiFrame> frames, const KittiOptions& options = {},
+                           const std::function<void()>& scored = {});
 
 }  // namespace arbox::evaluation

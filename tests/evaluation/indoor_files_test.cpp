@@ -113,6 +113,17 @@ TEST(IndoorFiles, ReadsJsonLinesAndMatchesScenesByName) {
   EXPECT_EQ(scenes[1].truth.at(0).label, "chair");
 }
 
+TEST(IndoorFiles, TellOfEveryFileThatIsRead) {
+  const TemporaryDirectory folder;
+  for (const char* name : {"truth/a.jsonl", "found/a.jsonl", "truth/b.jsonl", "found/b.jsonl"}) {
+    folder.write(name, scan(std::string(1, name[6]), "bed", 1));
+  }
+  int read = 0;
+  read_indoor_scenes(folder / "truth", folder / "found", {}, [&] { ++read; });
+  EXPECT_EQ(read, 4);
+  EXPECT_EQ(count_indoor_files(folder / "truth", folder / "found"), 4);
+}
+
 TEST(IndoorFiles, ReadsFoldersOfJsonAndOfTables) {
   const TemporaryDirectory folder;
   folder.write("truth/a.csv", "class,x,y,z,l,w,h,yaw\nbed,1,2,3,4,2,1,0.5\n");

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+
 #include "arbox/base/error.h"
 #include "support/program.h"
 
@@ -51,6 +53,14 @@ TEST(KittiFiles, ReadsTheFramesThatHaveResultsInOrder) {
   EXPECT_EQ(read.frames[0].labels[0].z, 20.0);
   ASSERT_EQ(read.frames[0].predictions.size(), 1u);
   EXPECT_EQ(read.frames[0].predictions[0].score, 0.93);
+}
+
+TEST(KittiFiles, TellOfEveryFrameThatIsRead) {
+  const Folders folders;
+  std::atomic<int> read = 0;
+  read_kitti_frames(folders.labels, folders.results, {}, 2, [&] { ++read; });
+  EXPECT_EQ(read, 2);
+  EXPECT_THAT(kitti_frame_names(folders.results), ElementsAre("000001", "000003"));
 }
 
 TEST(KittiFiles, ReadsTheFramesOfASplit) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+
 #include <limits>
 #include <numbers>
 
@@ -273,6 +275,12 @@ TEST(KittiProtocol, DoesNotDependOnThreadsOrFrameOrder) {
     }
     EXPECT_GT((*forward.classes[c].box3d)[kHard].r40(), 1.0);
   }
+}
+
+TEST(KittiProtocol, TellsOfEveryCellThatIsScored) {
+  std::atomic<int> cells = 0;
+  evaluate_kitti(arbox::testing::forty_frames(), {.threads = 2}, [&] { ++cells; });
+  EXPECT_EQ(cells, 3 * kKittiCells);
 }
 
 TEST(KittiProtocol, RefusesBadInput) {

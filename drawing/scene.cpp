@@ -74,9 +74,8 @@ void draw_birdseye(Canvas& canvas, const Theme& theme, const Scene& scene,
   draw_ground(canvas, theme, region, projection);
   draw_points_birdseye(canvas, theme, points, projection);
   draw_sensor(canvas, theme, region, projection);
-  draw_boxes(canvas, theme, scene, projection, options.captions);
-  draw_scale_bar(canvas, theme, scale);
-  draw_axes(canvas, theme, projection, region.low);
+  const auto taken = draw_furniture(canvas, theme, scene, projection, region.low, scale);
+  draw_boxes(canvas, theme, scene, projection, options.captions, taken);
 }
 
 std::vector<Eigen::Vector3d> points_of_interest(const Scene& scene, const ScenePoints& points,
@@ -114,8 +113,9 @@ void draw_perspective(Canvas& canvas, const Theme& theme, const Scene& scene,
   draw_ground(canvas, theme, region, projection);
   draw_points_perspective(canvas, theme, points, region, projection);
   draw_sensor(canvas, theme, region, projection);
-  draw_boxes(canvas, theme, scene, projection, options.captions);
-  draw_axes(canvas, theme, projection, (region.low + region.high) / 2);
+  const auto taken =
+      draw_furniture(canvas, theme, scene, projection, (region.low + region.high) / 2);
+  draw_boxes(canvas, theme, scene, projection, options.captions, taken);
 }
 
 struct Layout {

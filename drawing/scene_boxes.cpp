@@ -104,20 +104,6 @@ void draw_truth(Canvas& canvas, const Theme& theme, const Projection& projection
                   .gap = 4.0 * theme.unit});
 }
 
-Rect screen_rect(const Projection& projection, const Box& box) {
-  Rect rect = {1e9, 1e9, -1e9, -1e9};
-  const auto corners = geometry::corners(box);
-  for (const auto& [a, b] : kEdges) {
-    const auto edge = projection.segment(corners[a], corners[b]);
-    if (!edge) continue;
-    for (const Point& p : {edge->first, edge->second}) {
-      rect = {std::min(rect.left, p.x()), std::min(rect.top, p.y()), std::max(rect.right, p.x()),
-              std::max(rect.bottom, p.y())};
-    }
-  }
-  return rect;
-}
-
 std::string label_text(const Detection& detection, bool score) {
   if (!score) return detection.label;
   char number[32];
@@ -137,6 +123,20 @@ std::vector<std::size_t> far_to_near(const std::vector<Detection>& detections,
 }
 
 }  // namespace
+
+Rect screen_rect(const Projection& projection, const Box& box) {
+  Rect rect = {1e9, 1e9, -1e9, -1e9};
+  const auto corners = geometry::corners(box);
+  for (const auto& [a, b] : kEdges) {
+    const auto edge = projection.segment(corners[a], corners[b]);
+    if (!edge) continue;
+    for (const Point& p : {edge->first, edge->second}) {
+      rect = {std::min(rect.left, p.x()), std::min(rect.top, p.y()), std::max(rect.right, p.x()),
+              std::max(rect.bottom, p.y())};
+    }
+  }
+  return rect;
+}
 
 void LabelPlacer::place(const std::string& text, const Rect& object, Color color) {
   if (text.empty()) return;
@@ -181,7 +181,7 @@ void LabelPlacer::place(const std::string& text, const Rect& object, Color color
 }
 
 void draw_boxes(Canvas& canvas, const Theme& theme, const Scene& scene,
-                const Projection& projection, bool labels) {
+                const Projection& projection, bool labels, const std::vector<Rect>& taken) {
   const bool alone = scene.predictions.empty();
   const auto color_of = [&](const Detection& detection) {
     return theme_color(theme, detection.label);
@@ -197,6 +197,7 @@ void draw_boxes(Canvas& canvas, const Theme& theme, const Scene& scene,
   }
   if (!labels) return;
   LabelPlacer placer(canvas, theme);
+  for (const Rect& rect : taken) placer.keep_free(rect);
   const std::vector<Detection>& named = alone ? scene.truth : scene.predictions;
   for (const Detection& detection : named) {
     placer.keep_free(screen_rect(projection, detection.box).grown(-1.0));

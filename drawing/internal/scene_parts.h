@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -74,16 +75,20 @@ void draw_points_perspective(Canvas& canvas, const Theme& theme, const ScenePoin
 void draw_ground(Canvas& canvas, const Theme& theme, const Region& region,
                  const Projection& projection);
 
-/// All boxes of the scene with labels.
+/// The smallest rectangle around a box in the picture; left > right if nothing of it is before the
+/// camera.
+Rect screen_rect(const Projection& projection, const geometry::Box& box);
+
+/// The directions of x, y and z, and a scale bar if the scale is one number; each in the corner
+/// where it meets the boxes least. Drawn before the boxes, so that it hides none. Gives the places
+/// that it takes.
+std::vector<Rect> draw_furniture(Canvas& canvas, const Theme& theme, const Scene& scene,
+                                 const Projection& projection, const Eigen::Vector3d& at,
+                                 std::optional<double> pixels_per_metre = {});
+
+/// All boxes of the scene, with labels that keep off the rectangles in `taken`.
 void draw_boxes(Canvas& canvas, const Theme& theme, const Scene& scene,
-                const Projection& projection, bool labels);
-
-/// The scale bar in the lower left corner of a bird's-eye view.
-void draw_scale_bar(Canvas& canvas, const Theme& theme, double pixels_per_metre);
-
-/// The directions of x, y and z in the lower right corner.
-void draw_axes(Canvas& canvas, const Theme& theme, const Projection& projection,
-               const Eigen::Vector3d& at);
+                const Projection& projection, bool labels, const std::vector<Rect>& taken = {});
 
 /// Height of the legend in a picture of that width, and the legend with its top left corner there.
 double legend_height(const Theme& theme, const Scene& scene, const ScenePoints& points,

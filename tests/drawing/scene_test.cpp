@@ -93,6 +93,20 @@ TEST(Scene, BoxesStandWhereTheyShouldFromAbove) {
   EXPECT_NEAR((car + pedestrian).x() / 2, image.width / 2.0, 2.0);
 }
 
+// Lower right, where the axes stand when nothing else does.
+TEST(Scene, AxesKeepOffABoxInTheirCorner) {
+  constexpr Color kAxisX = {200, 50, 40};
+  SceneOptions options = birdseye(1000);
+  options.range = 20.0;
+  Scene scene;
+  scene.predictions = {detection("Car", {0, 0, 0})};
+  const Image clear = draw_scene(scene, options);
+  EXPECT_GT(middle_of(clear, kAxisX, clear.height - 60).x(), 800.0);
+  scene.predictions.push_back(detection("Car", {-18, -18, 0}));
+  const Image filled = draw_scene(scene, options);
+  EXPECT_LT(middle_of(filled, kAxisX, filled.height - 60).x(), 200.0);
+}
+
 TEST(Scene, HeadingMarksPointForward) {
   Scene scene;
   SceneOptions options = birdseye();

@@ -100,6 +100,22 @@ TEST(ClusterFit, FitsACarAtAnyHeading) {
   }
 }
 
+// What is seen over the roof of the car before it is as wide as deep: only the slope of its rear
+// window tells which way it stands.
+TEST(ClusterFit, KnowsTheRearOfACarBehindAnother) {
+  const auto scene = arbox::testing::make_street({.azimuth_step = 0.17});
+  const auto is_it = [](const Detection& one) {
+    return (one.box.center.head<2>() - Eigen::Vector2d(18.0, -4.3)).norm() < 1.5;
+  };
+  const auto truth = std::find_if(scene.truth.begin(), scene.truth.end(), is_it);
+  const auto found = detections_of(scene, {.score = 0.3});
+  const auto car = std::find_if(found.begin(), found.end(), is_it);
+  ASSERT_TRUE(truth != scene.truth.end() && car != found.end());
+  EXPECT_EQ(car->label, "Car");
+  const double turn = geometry::yaw(car->box) - geometry::yaw(truth->box);
+  EXPECT_LT(std::abs(std::remainder(turn, std::numbers::pi)), 0.25);
+}
+
 // The scanner sees the rear and some of the roof; the front must be guessed from the class.
 TEST(ClusterFit, CompletesTheSideThatTheSensorDoesNotSee) {
   const auto scene = one_car(20.0, 0.0, 0.0);

@@ -75,6 +75,40 @@ TEST(LShapeSearch, StaysNearTheHeadingItIsGiven) {
   EXPECT_NEAR(found.yaw, 0.02, 1e-3);
 }
 
+TEST(LShapeSearch, GivesTheHeadingsWithTheMostSupportBestFirst) {
+  // Two walls that meet at 45 degrees: each is a side of a rectangle of its own.
+  std::vector<Eigen::Vector2d> points;
+  for (double step = 0.0; step < 1.0; step += 0.02) {
+    points.emplace_back(10.0, 2.0 * step);
+    points.emplace_back(10.0 + step, -step);
+  }
+  const auto found = l_shapes(points, 0.035, 3);
+  ASSERT_GE(found.size(), 2u);
+  EXPECT_LE(found.size(), 3u);
+  EXPECT_EQ(found[0].yaw, fit_l_shape(points).yaw);
+  std::vector<double> misses;
+  for (const double heading : {0.0, 0.25 * std::numbers::pi}) {
+    misses.push_back(std::min(quarter_difference(found[0].yaw, heading),
+                              quarter_difference(found[1].yaw, heading)));
+  }
+  EXPECT_LT(misses[0], 0.02);
+  EXPECT_LT(misses[1], 0.02);
+  for (std::size_t i = 1; i < found.size(); ++i) {
+    EXPECT_LE(found[i].support, found[i - 1].support);
+  }
+}
+
+TEST(LShapeSearch, TellsWhereThePointsLieBehindTheSides) {
+  std::vector<Eigen::Vector2d> points;
+  for (double step = 0.0; step < 1.0; step += 0.01) points.emplace_back(10.0, 4.0 * step);
+  for (int i = 0; i < 50; ++i) points.emplace_back(10.4, 2.0);
+  const Rectangle found = l_shapes(points, 0.035, 1)[0];
+  const int axis = quarter_difference(found.yaw, 0.0) < 0.01 && found.yaw < 0.5 ? 0 : 1;
+  EXPECT_NEAR(found.share[axis] + found.share[1 - axis], 1.0, 0.02);
+  EXPECT_GT(found.share[axis], 0.9);
+  EXPECT_NEAR(found.depth[axis], 0.4 / 3.0, 0.02);
+}
+
 TEST(Rectangle, KnowsTheSideOfTheSensor) {
   const Rectangle rectangle{.yaw = 0.0, .low = {2, -1}, .high = {6, 1}};
   EXPECT_EQ(rectangle.sensor_side(0), -1);

@@ -46,6 +46,26 @@ class Search {
     return result;
   }
 
+  /// measure() with what the sides tell.
+  Rectangle measure_sides(double yaw) {
+    Rectangle result = measure(yaw);
+    const std::array<Ends, 2> ends = {ends_of(along_[0]), ends_of(along_[1])};
+    std::array<Eigen::ArrayXf, 2> distance;
+    for (int axis : {0, 1}) {
+      distance[axis].setConstant(x_.size(), std::numeric_limits<float>::max());
+      lower_to_sides(result, ends, axis, distance[axis]);
+    }
+    for (int axis : {0, 1}) {
+      const auto nearer = distance[axis] < distance[1 - axis];
+      result.share[axis] = nearer.cast<double>().mean();
+      if (result.share[axis] > 0.0) {
+        result.depth[axis] =
+            nearer.select(distance[axis], 0.0f).mean() / static_cast<float>(result.share[axis]);
+      }
+    }
+    return result;
+  }
+
  private:
   struct Ends {
     float low, high;
@@ -74,15 +94,19 @@ class Search {
     extremes[place] = value;
   }
 
-  double support(const Rectangle& rectangle, const std::array<Ends, 2>& ends) {
+  /// Lowers `nearest` to the distances from the sides square to `axis` that face the sensor.
+  void lower_to_sides(const Rectangle& rectangle, const std::array<Ends, 2>& ends, int axis,
+                      Eigen::ArrayXf& nearest) const {
     // An end that the sensor does not face shows no side, unless the sensor stands inside.
     const bool inside = rectangle.sensor_side(0) == 0 && rectangle.sensor_side(1) == 0;
+    const int facing = rectangle.sensor_side(axis);
+    if (inside || facing < 0) nearest = nearest.min((along_[axis] - ends[axis].low).abs());
+    if (inside || facing > 0) nearest = nearest.min((along_[axis] - ends[axis].high).abs());
+  }
+
+  double support(const Rectangle& rectangle, const std::array<Ends, 2>& ends) {
     nearest_.setConstant(x_.size(), std::numeric_limits<float>::max());
-    for (int axis : {0, 1}) {
-      const int facing = rectangle.sensor_side(axis);
-      if (inside || facing < 0) nearest_ = nearest_.min((along_[axis] - ends[axis].low).abs());
-      if (inside || facing > 0) nearest_ = nearest_.min((along_[axis] - ends[axis].high).abs());
-    }
+    for (int axis : {0, 1}) lower_to_sides(rectangle, ends, axis, nearest_);
     return (nearest_ * (-1.0f / kSideDepth)).exp().mean();
   }
 
@@ -92,32 +116,17 @@ class Search {
   std::vector<float> lowest_, highest_;
 };
 
+constexpr double kQuarter = 0.5 * std::numbers::pi;
+
 double wrap_quarter(double yaw) {
-  const double quarter = 0.5 * std::numbers::pi;
-  const double wrapped = yaw - quarter * std::floor(yaw / quarter);
-  return wrapped < quarter ? wrapped : 0.0;
+  const double wrapped = yaw - kQuarter * std::floor(yaw / kQuarter);
+  return wrapped < kQuarter ? wrapped : 0.0;
 }
 
-}  // namespace
-
-Eigen::Vector2d Rectangle::corner(int end0, int end1) const {
-  const double along = end0 ? high[0] : low[0], across = end1 ? high[1] : low[1];
-  return {std::cos(yaw) * along - std::sin(yaw) * across,
-          std::sin(yaw) * along + std::cos(yaw) * across};
-}
-
-Rectangle fit_l_shape(std::span<const Eigen::Vector2d> points, const LShapeSearch& options) {
-  Search search(points);
-  const double begin = options.around ? *options.around - options.window : 0.0;
-  const double width = options.around ? 2.0 * options.window : 0.5 * std::numbers::pi;
-  const int steps = std::max(2, static_cast<int>(std::ceil(width / options.step)));
-  const double step = width / steps;
-  Rectangle best = search.measure(begin);
-  for (int i = 1; i < steps + (options.around ? 1 : 0); ++i) {
-    const Rectangle candidate = search.measure(begin + i * step);
-    if (candidate.support > best.support) best = candidate;
-  }
-  double low = best.yaw - step, high = best.yaw + step;
+/// The best heading within a step of that of `start`.
+Rectangle refined(Search& search, const Rectangle& start, double step) {
+  Rectangle best = start;
+  double low = start.yaw - step, high = start.yaw + step;
   Rectangle left = search.measure(high - kGoldenRatio * (high - low));
   Rectangle right = search.measure(low + kGoldenRatio * (high - low));
   while (high - low > kRefinement * step) {
@@ -131,7 +140,67 @@ Rectangle fit_l_shape(std::span<const Eigen::Vector2d> points, const LShapeSearc
     const Rectangle& better = left.support >= right.support ? left : right;
     if (better.support > best.support) best = better;
   }
-  return options.around ? best : search.measure(wrap_quarter(best.yaw));
+  return best;
+}
+
+struct Headings {
+  std::vector<Rectangle> rectangles;
+  double step;
+};
+
+Headings measure_every(Search& search, double begin, double width, double step, bool with_end) {
+  const int steps = std::max(2, static_cast<int>(std::ceil(width / step)));
+  Headings result{.rectangles = {}, .step = width / steps};
+  for (int i = 0; i < steps + (with_end ? 1 : 0); ++i) {
+    result.rectangles.push_back(search.measure(begin + i * result.step));
+  }
+  return result;
+}
+
+bool less_support(const Rectangle& one, const Rectangle& other) {
+  return one.support < other.support;
+}
+
+}  // namespace
+
+Eigen::Vector2d Rectangle::corner(int end0, int end1) const {
+  const double along = end0 ? high[0] : low[0], across = end1 ? high[1] : low[1];
+  return {std::cos(yaw) * along - std::sin(yaw) * across,
+          std::sin(yaw) * along + std::cos(yaw) * across};
+}
+
+Rectangle fit_l_shape(std::span<const Eigen::Vector2d> points, const LShapeSearch& options) {
+  if (!options.around) return l_shapes(points, options.step, 1)[0];
+  Search search(points);
+  const auto [rectangles, step] = measure_every(search, *options.around - options.window,
+                                                2.0 * options.window, options.step, true);
+  return refined(search, *std::max_element(rectangles.begin(), rectangles.end(), less_support),
+                 step);
+}
+
+std::vector<Rectangle> l_shapes(std::span<const Eigen::Vector2d> points, double step, int count) {
+  Search search(points);
+  const Headings every = measure_every(search, 0.0, kQuarter, step, false);
+  const auto& all = every.rectangles;
+  std::vector<Rectangle> peaks;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Rectangle& before = all[(i + all.size() - 1) % all.size()];
+    const Rectangle& after = all[(i + 1) % all.size()];
+    if (all[i].support > before.support && all[i].support >= after.support) peaks.push_back(all[i]);
+  }
+  // Equal everywhere, as for a single point.
+  if (peaks.empty()) peaks.push_back(all[0]);
+  const auto best_first = [&] {
+    std::stable_sort(peaks.begin(), peaks.end(),
+                     [](const auto& one, const auto& other) { return less_support(other, one); });
+  };
+  best_first();
+  peaks.resize(std::min(peaks.size(), static_cast<std::size_t>(count)));
+  for (Rectangle& peak : peaks) {
+    peak = search.measure_sides(wrap_quarter(refined(search, peak, every.step).yaw));
+  }
+  best_first();
+  return peaks;
 }
 
 }  // namespace arbox::detectors::internal

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace arbox::detectors::internal {
 
@@ -18,6 +19,9 @@ struct Rectangle {
   Eigen::Vector2d high = Eigen::Vector2d::Zero();
   /// Mean closeness of the points to a facing side, in (0, 1]: 1 when all lie on one.
   double support = 0.0;
+  /// Of the points whose nearest facing side is square to the axis: their share of all, and their
+  /// mean distance from it, metres.
+  std::array<double, 2> share = {}, depth = {};
 
   /// +1 if the origin lies beyond the high end of the axis, -1 if beyond the low end, 0 if between.
   int sensor_side(int axis) const {
@@ -36,7 +40,11 @@ struct LShapeSearch {
   double window = 0.12;
 };
 
-/// Points must not be empty; one of a hundred may lie outside of each side.
+/// The best rectangle. Points must not be empty; one of a hundred may lie outside of each side.
 Rectangle fit_l_shape(std::span<const Eigen::Vector2d> points, const LShapeSearch& search = {});
+
+/// Every heading of the quarter turn at which the support is greater than beside it, the best
+/// first, at most `count`: a view that shows little of an object leaves several.
+std::vector<Rectangle> l_shapes(std::span<const Eigen::Vector2d> points, double step, int count);
 
 }  // namespace arbox::detectors::internal

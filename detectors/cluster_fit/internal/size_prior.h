@@ -18,21 +18,38 @@ struct SizePrior {
   double returns, returns_deviation;
   /// How common the class is among the three.
   double share;
+  /// Front and rear slope, flanks do not.
+  bool sloping_ends;
 };
 
 /// Means and deviations of all labels of the KITTI object training set (7481 frames: 28742 cars,
 /// 4487 pedestrians, 1627 cyclists); slack and returns from the labelled objects of 25 of its
 /// scans.
 inline const std::array<SizePrior, 3> kSizePriors = {{
-    {"Car", {3.884, 1.629, 1.526}, {0.426, 0.102, 0.137}, {0.20, 0.08, 0.08}, 94000, 0.9, 0.82},
+    {"Car",
+     {3.884, 1.629, 1.526},
+     {0.426, 0.102, 0.137},
+     {0.20, 0.08, 0.08},
+     94000,
+     0.9,
+     0.82,
+     true},
     {"Pedestrian",
      {0.842, 0.660, 1.761},
      {0.235, 0.143, 0.113},
      {0.25, 0.15, 0.13},
      36000,
      0.7,
-     0.13},
-    {"Cyclist", {1.764, 0.597, 1.737}, {0.177, 0.124, 0.095}, {0.15, 0.12, 0.13}, 42000, 0.7, 0.05},
+     0.13,
+     false},
+    {"Cyclist",
+     {1.764, 0.597, 1.737},
+     {0.177, 0.124, 0.095},
+     {0.15, 0.12, 0.13},
+     42000,
+     0.7,
+     0.05,
+     false},
 }};
 
 /// What is known of one size once an extent of it was seen: the prior, cut below the extent and, if

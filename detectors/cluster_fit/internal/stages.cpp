@@ -11,11 +11,14 @@
 
 #include "arbox/base/parallel.h"
 #include "arbox/detectors/cluster_fit/internal/clusters.h"
+#include "arbox/detectors/cluster_fit/internal/outline.h"
 
 namespace arbox::detectors::internal {
 namespace {
 
 constexpr std::int64_t kGrain = 4096;
+// Rectangles that are compared for a cluster.
+constexpr int kRectangles = 3;
 
 /// Joins in order what body(begin, end, part) appends for the ranges of [0, count).
 template <class Body>
@@ -55,9 +58,10 @@ void fit_part(Part& part, double finer_tolerance, const ClusterFitOptions& optio
   if (!larger_than_any_object(part.points)) {
     std::vector<Eigen::Vector2d> outline = outline_of(part.points);
     const double step = options.yaw_step * std::numbers::pi / 180.0;
-    const Rectangle rectangle = fit_l_shape(outline, {.step = step});
-    if (!larger_than_any_object(rectangle)) {
-      part.object = fit_object(part.points, std::move(outline), rectangle, surroundings);
+    std::vector<Rectangle> rectangles = l_shapes(outline, step, kRectangles);
+    if (!larger_than_any_object(rectangles[0])) {
+      std::erase_if(rectangles, [](const auto& other) { return larger_than_any_object(other); });
+      part.object = fit_object(part.points, std::move(outline), rectangles, surroundings);
       return;
     }
   }

@@ -82,6 +82,8 @@ void add_examples(CLI::App& command, std::initializer_list<Example> examples) {
   for (const Example& example : examples) {
     footer += "  " + std::string(example.command) + "\n      " + std::string(example.effect) + "\n";
   }
+  const bool program = command.get_parent() == nullptr;
+  if (!program) footer += "\nEvery command takes --threads, --verbose and --plugin: arbox --help\n";
   command.footer(footer);
 }
 

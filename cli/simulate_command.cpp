@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "arbox/base/options.h"
 #include "arbox/cli/command_line.h"
@@ -19,6 +20,7 @@ struct SimulateStreetFlags {
   std::int64_t scenes = 0;
   std::uint64_t seed = 0;
   std::filesystem::path output;
+  bool json = false;
   simulation::StreetScanOptions options;
 };
 
@@ -26,6 +28,14 @@ void simulate_street(const SimulateStreetFlags& flags) {
   Progress progress("simulate", flags.scenes);
   const auto report = simulation::write_street_dataset(
       flags.options, flags.seed, flags.scenes, flags.output, 0, [&] { progress.advance(); });
+  if (flags.json) {
+    std::cout << nlohmann::ordered_json{{"output", flags.output.string()},
+                                        {"written", report.written},
+                                        {"found", report.found}}
+                     .dump(2)
+              << '\n';
+    return;
+  }
   std::cout << report.written << " scenes written, " << report.found << " found in "
             << flags.output.string() << '\n';
 }
@@ -51,6 +61,7 @@ void add_street(CLI::App& simulate) {
       ->type_name("YAML")
       ->trigger_on_parse();
   add_option_flags(*command, bind_options(flags->options));
+  add_json_flag(*command, flags->json);
   add_examples(*command, {{"arbox simulate street --scenes 1000 --seed 1 --output streets",
                            "A thousand scans; a run that was stopped goes on where it stood"},
                           {"arbox simulate street --scenes 10 --output streets --lidar spinning32",

@@ -10,6 +10,22 @@ namespace {
 
 constexpr std::string_view kWhiteSpace = " \t\r\v\f";
 
+/// Whether every byte is part of an encoded letter: one lead byte and as many others as it says.
+bool is_utf8(std::string_view text) {
+  std::size_t expected = 0;
+  for (const char letter : text) {
+    const auto code = static_cast<unsigned char>(letter);
+    const bool continues = (code & 0xc0) == 0x80;
+    if (continues != (expected > 0)) return false;
+    if (continues) {
+      --expected;
+    } else if (code >= 0xc0) {
+      expected = code >= 0xf0 ? 3 : (code >= 0xe0 ? 2 : 1);
+    }
+  }
+  return expected == 0;
+}
+
 }  // namespace
 
 void refuse(const TextPlace& place, const std::string& expected, const std::string& came) {
@@ -22,9 +38,11 @@ std::string quoted_text(std::string_view text) {
   constexpr std::size_t kLongest = 60;
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string result = "'";
-  for (const char letter : text.substr(0, kLongest)) {
+  const std::string_view shown = text.substr(0, kLongest);
+  const bool letters = is_utf8(shown);
+  for (const char letter : shown) {
     const auto code = static_cast<unsigned char>(letter);
-    if (code < 0x20 || code == 0x7f) {
+    if (code < 0x20 || code == 0x7f || (code >= 0x80 && !letters)) {
       result += {'\\', 'x', kDigits[code >> 4], kDigits[code & 15]};
     } else {
       result += letter;

@@ -1,8 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -73,10 +71,7 @@ TEST(ConfigFitBins, ChoosesClassesAndRefusesBadInput) {
 }
 
 TEST(ConfigFitBins, ReadsKittiLabels) {
-  const char* data = std::getenv("ARBOX_DATA");
-  if (data == nullptr) GTEST_SKIP() << "set ARBOX_DATA to the folder of test data";
-  const std::string root = std::string(data) + "/kitti";
-  if (!std::filesystem::is_directory(root)) GTEST_SKIP() << root << " is not there";
+  ARBOX_REQUIRE_DATA(root, "kitti");
   const auto result = run_arbox({"config", "fit-bins", root, "--class", "Car", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_GE(json::parse(result.output).at("mean_iou").get<double>(), 0.99);

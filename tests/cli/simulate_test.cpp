@@ -49,7 +49,10 @@ TEST(SimulateStreet, AKilledRunGoesOnToTheSameBytes) {
 
 TEST(SimulateStreet, InfoReadsTheFolder) {
   const TemporaryDirectory folder;
-  ASSERT_EQ(simulate(folder / "out", {"--scenes", "2", "--lidar", "spinning16"}).exit_code, 0);
+  const RunResult made =
+      simulate(folder / "out", {"--scenes", "2", "--lidar", "spinning16", "--json"});
+  ASSERT_EQ(made.exit_code, 0);
+  EXPECT_THAT(made.output, HasSubstr("\"written\": 2"));
   const RunResult info = run_arbox({"info", "kitti", (folder / "out").string()});
   EXPECT_EQ(info.exit_code, 0);
   EXPECT_THAT(info.output, HasSubstr("trainval: 2 frames"));

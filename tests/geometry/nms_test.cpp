@@ -9,6 +9,7 @@
 #include "arbox/base/error.h"
 #include "support/box_samples.h"
 #include "support/nms_cases.h"
+#include "support/refusal.h"
 
 namespace {
 
@@ -169,16 +170,6 @@ TEST(Nms, EmptyInputIsAResult) {
   EXPECT_TRUE(nms({}, {}).kept.empty());
   EXPECT_TRUE(nms({}, {}, {.soft = "gaussian"}).kept.empty());
   EXPECT_TRUE(nms({}, {}, {.class_aware = true}).kept.empty());
-}
-
-template <class Call>
-std::string refusal(const Call& call) {
-  try {
-    call();
-  } catch (const InvalidArgument& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
 }
 
 TEST(Nms, BadInputIsRefusedByName) {

@@ -10,6 +10,7 @@
 #include "arbox/base/error.h"
 #include "support/box_samples.h"
 #include "support/naive_quantile_box.h"
+#include "support/refusal.h"
 
 namespace {
 
@@ -352,16 +353,6 @@ TEST(QuantileBox, GaussianUncertainty) {
   EXPECT_DOUBLE_EQ(gaussian_uncertainty(BoxSamples{.boxes = samples}), 2.0 / 12.0);
   EXPECT_THROW(gaussian_uncertainty(Vector3d(-1, 1, 1), Vector3d(1, 1, 1)), InvalidArgument);
   EXPECT_THROW(gaussian_uncertainty(Vector3d(1, 1, 1), Vector3d(1, 0, 1)), InvalidArgument);
-}
-
-template <class Call>
-std::string refusal(const Call& call) {
-  try {
-    call();
-  } catch (const InvalidArgument& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
 }
 
 TEST(QuantileBox, BadInputIsRefusedByName) {

@@ -316,6 +316,8 @@ TEST(PointCloudFile, ContentWinsOverTheExtension) {
   EXPECT_EQ(parse_point_cloud(std::string(16, '\0'), "-", {.format = "bin"}).points.size(), 1U);
   expect_refusal([] { parse_point_cloud(std::string(16, '\0'), "-"); },
                  {"neither the content nor the extension", "'\\x00"});
+  // Bytes that are no letters do not reach the terminal.
+  expect_refusal([] { parse_point_cloud("\x9a\xc3(9\x01", "-"); }, {"'\\x9a\\xc3(9\\x01'"});
   expect_refusal([] { parse_point_cloud("1 2 3\n", "-", {.format = "las"}); }, {"'las'"});
 }
 

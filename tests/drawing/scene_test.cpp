@@ -101,10 +101,12 @@ TEST(Scene, AxesKeepOffABoxInTheirCorner) {
   Scene scene;
   scene.predictions = {detection("Car", {0, 0, 0})};
   const Image clear = draw_scene(scene, options);
-  EXPECT_GT(middle_of(clear, kAxisX, clear.height - 60).x(), 800.0);
+  const Eigen::Vector2d usual = middle_of(clear, kAxisX, clear.height - 60);
+  EXPECT_GT(usual.x(), 800.0);
+  EXPECT_GT(usual.y(), 800.0);
   scene.predictions.push_back(detection("Car", {-18, -18, 0}));
   const Image filled = draw_scene(scene, options);
-  EXPECT_LT(middle_of(filled, kAxisX, filled.height - 60).x(), 200.0);
+  EXPECT_LT(middle_of(filled, kAxisX, filled.height - 60).y(), 200.0);
 }
 
 TEST(Scene, HeadingMarksPointForward) {

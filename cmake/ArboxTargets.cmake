@@ -99,7 +99,7 @@ function(arbox_simd_sources target)
         endif()
       endif()
       set_source_files_properties(${copy} PROPERTIES COMPILE_OPTIONS "${flags}"
-        SKIP_PRECOMPILE_HEADERS ON)
+        SKIP_PRECOMPILE_HEADERS ON SKIP_UNITY_BUILD_INCLUSION ON)
     endforeach()
   endforeach()
 endfunction()

@@ -22,7 +22,7 @@ namespace {
 
 using at::Tensor;
 
-constexpr std::uint32_t kPurpose = 400;  // and one for each further component
+constexpr std::uint32_t kGaussianPurpose = 400;  // and one for each further component
 constexpr std::int64_t kTurns = 4;
 
 /// (N, count, D) standard normals.
@@ -35,7 +35,7 @@ Tensor standard_normals(const Streams& streams, std::int64_t count, std::int64_t
     for (std::int64_t k = 0; k < count; ++k) {
       for (std::int64_t i = 0; i < width; ++i) {
         *number++ = static_cast<float>(
-            RandomStream(streams.seed, id, kPurpose + static_cast<std::uint32_t>(i))
+            RandomStream(streams.seed, id, kGaussianPurpose + static_cast<std::uint32_t>(i))
                 .normal(static_cast<std::uint32_t>(k)));
       }
     }

@@ -17,7 +17,7 @@ namespace {
 
 using geometry::Box;
 
-constexpr std::uint32_t kPurpose = 500;
+constexpr std::uint32_t kReferencePurpose = 500;
 
 /// A reference as a box: its frame and its size.
 Box region_of_interest(const Box& label, const RandomStream& random) {
@@ -67,7 +67,7 @@ References simulated_references(std::span<const Box> boxes, const std::string& k
   parallel_for(std::ssize(frames), 64, 0, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       const Box& label = boxes[static_cast<std::size_t>(i) % boxes.size()];
-      const RandomStream random(seed, static_cast<std::uint64_t>(i), kPurpose);
+      const RandomStream random(seed, static_cast<std::uint64_t>(i), kReferencePurpose);
       frames[i] = kind == "residual" ? region_of_interest(label, random)
                   : kind == "scaled" ? location(label, random)
                                      : quartiles(label, random);

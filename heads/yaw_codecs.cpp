@@ -22,7 +22,7 @@ namespace {
 using at::Tensor;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kLeastSize = 1e-5;
+constexpr double kLeastReferenceSize = 1e-5;
 
 /// (N, 3) or (N, 4) -> (N, 1, .) where `values` has a dimension of K vectors.
 Tensor for_rows(const Tensor& reference, const Tensor& values) {
@@ -126,7 +126,7 @@ namespace {
 
 /// (d, d, h) of the regions of interest.
 Tensor center_scale(const References& references) {
-  const Tensor size = at::clamp(references.size, kLeastSize);
+  const Tensor size = at::clamp(references.size, kLeastReferenceSize);
   const Tensor diagonal = at::sqrt(size.select(-1, 0).square() + size.select(-1, 1).square());
   return at::stack({diagonal, diagonal, size.select(-1, 2)}, -1);
 }
@@ -142,11 +142,11 @@ Tensor ResidualCodec::decode_center(const Tensor& values, const References& refe
   return values * for_rows(center_scale(references), values);
 }
 Tensor ResidualCodec::encode_size(const Tensor& sizes, const References& references) const {
-  return at::log(at::clamp(sizes, kLeastSize) /
-                 for_rows(at::clamp(references.size, kLeastSize), sizes));
+  return at::log(at::clamp(sizes, kLeastReferenceSize) /
+                 for_rows(at::clamp(references.size, kLeastReferenceSize), sizes));
 }
 Tensor ResidualCodec::decode_size(const Tensor& values, const References& references) const {
-  return at::exp(values) * for_rows(at::clamp(references.size, kLeastSize), values);
+  return at::exp(values) * for_rows(at::clamp(references.size, kLeastReferenceSize), values);
 }
 
 ScaledCodec::ScaledCodec(YawCodecOptions options, bool with_yaw)

@@ -13,7 +13,7 @@ namespace arbox::sparse {
 namespace {
 
 // Places beyond this are far from every voxel, and so is their cell.
-constexpr double kFarthest = 1 << 29;
+constexpr double kFarthestPlace = 1 << 29;
 
 struct Corners {
   std::vector<Coordinate> cells;                // lowest corner of each place
@@ -30,10 +30,10 @@ Corners corners_of(const at::Tensor& places, const Triple& stride) {
   result.known.resize(table.size(0));
   for (std::size_t i = 0; i < result.cells.size(); ++i, row += 4) {
     std::array<std::int32_t, 3> low{};
-    bool known = row[0] >= 0 && row[0] < kFarthest;
+    bool known = row[0] >= 0 && row[0] < kFarthestPlace;
     for (int axis = 0; axis < 3; ++axis) {
       const double value = row[axis + 1];
-      known = known && std::abs(value) < kFarthest;
+      known = known && std::abs(value) < kFarthestPlace;
       if (!known) break;
       const double cell = std::floor(value / stride[axis]);
       low[axis] = static_cast<std::int32_t>(cell) * stride[axis];

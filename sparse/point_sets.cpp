@@ -30,7 +30,7 @@ at::Tensor packed_points(const at::Tensor& points, const char* where) {
   return points.detach().to(at::kCPU, at::kFloat).contiguous();
 }
 
-std::span<const float> numbers(const at::Tensor& packed) {
+std::span<const float> contiguous_numbers(const at::Tensor& packed) {
   return {packed.data_ptr<float>(), static_cast<std::size_t>(packed.numel())};
 }
 
@@ -51,7 +51,7 @@ void require_counts(std::span<const std::int64_t> counts, std::int64_t total, co
 
 at::Tensor furthest_points(const at::Tensor& points, std::int64_t count) {
   const at::Tensor packed = packed_points(points, "furthest_points");
-  return to_tensor(furthest_points(numbers(packed), count), points.device());
+  return to_tensor(furthest_points(contiguous_numbers(packed), count), points.device());
 }
 
 at::Tensor ball_query(const at::Tensor& points, const at::Tensor& centres, const BallQuery& query,
@@ -73,9 +73,9 @@ at::Tensor ball_query(const at::Tensor& points, const at::Tensor& centres, const
   auto* to = result.data_ptr<std::int64_t>();
   std::int64_t first_point = 0, first_centre = 0;
   for (std::size_t scene = 0; scene < point_counts.size(); ++scene) {
-    const auto found =
-        ball_query(numbers(from).subspan(3 * first_point, 3 * point_counts[scene]),
-                   numbers(around).subspan(3 * first_centre, 3 * centre_counts[scene]), query);
+    const auto found = ball_query(
+        contiguous_numbers(from).subspan(3 * first_point, 3 * point_counts[scene]),
+        contiguous_numbers(around).subspan(3 * first_centre, 3 * centre_counts[scene]), query);
     for (const std::int32_t index : found) *to++ = index < 0 ? -1 : index + first_point;
     first_point += point_counts[scene];
     first_centre += centre_counts[scene];
@@ -144,7 +144,7 @@ at::Tensor points_in_boxes(const at::Tensor& points, const at::Tensor& boxes, do
   const at::Tensor table = boxes.detach().to(at::kCPU, at::kDouble).contiguous();
   const std::span<const double> rows{table.data_ptr<double>(),
                                      static_cast<std::size_t>(table.numel())};
-  return to_tensor(box_of_points(numbers(packed), rows, margin), points.device());
+  return to_tensor(box_of_points(contiguous_numbers(packed), rows, margin), points.device());
 }
 
 }  // namespace arbox::sparse

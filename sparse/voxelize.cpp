@@ -13,7 +13,7 @@ namespace arbox::sparse {
 namespace {
 
 constexpr std::uint32_t kRandomPoint = 1;
-constexpr float kFarthest = 1 << 29;
+constexpr float kFarthestCell = 1 << 29;
 
 /// The voxel of each point that has one, and which points those are.
 struct PlacedPoints {
@@ -39,7 +39,7 @@ PlacedPoints place(const geometry::PointCloudView& cloud, const VoxelizeOptions&
       const float index = std::floor((position[axis] - origin[axis]) / size[axis]);
       const int cells = options.grid[axis];
       inside = cells == 0 || (index >= 0 && index < static_cast<float>(cells));
-      if (inside && !(std::abs(index) < kFarthest)) {
+      if (inside && !(std::abs(index) < kFarthestCell)) {
         throw InvalidArgument("voxelize: point " + std::to_string(i) +
                               " is further than 2^29 voxels from the origin; crop the cloud");
       }

@@ -11,7 +11,7 @@ namespace {
 
 // Pairs whose rows stay in the first-level cache while every block of channels passes over them.
 constexpr std::int64_t kPairsAtOnce = 64;
-constexpr std::int64_t kTileRows = 512;
+constexpr std::int64_t kGradientTileRows = 512;
 constexpr std::int32_t kLineFloats = 16;
 constexpr std::int64_t kWorkspace = 32 << 20;
 constexpr std::int64_t kMostRanges = 16;
@@ -67,8 +67,8 @@ void add_range(const internal::KernelTable& kernel, const Problem& problem, std:
     const auto* last = map.outputs.data() + map.starts[k + 1];
     next[k] = std::lower_bound(first, last, static_cast<std::int32_t>(begin)) - map.outputs.data();
   }
-  for (std::int64_t tile = begin; tile < end; tile += kTileRows) {
-    const std::int64_t tile_end = std::min(end, tile + kTileRows);
+  for (std::int64_t tile = begin; tile < end; tile += kGradientTileRows) {
+    const std::int64_t tile_end = std::min(end, tile + kGradientTileRows);
     for (std::int64_t k = 0; k < elements; ++k) {
       const std::int64_t from = next[k];
       while (next[k] < map.starts[k + 1] && map.outputs[next[k]] < tile_end) ++next[k];
@@ -103,9 +103,9 @@ void convolve_weight_gradient(const KernelMap& map, const MapRows& rows, const f
   const std::int64_t total = map.elements() * problem.area();
   if (total == 0) return;
   const auto outputs = static_cast<std::int64_t>(rows.outputs.size());
-  const std::int64_t ranges =
-      std::clamp(std::min(kWorkspace / (total * std::int64_t{sizeof(float)}), outputs / kTileRows),
-                 std::int64_t{1}, kMostRanges);
+  const std::int64_t ranges = std::clamp(
+      std::min(kWorkspace / (total * std::int64_t{sizeof(float)}), outputs / kGradientTileRows),
+      std::int64_t{1}, kMostRanges);
   const auto parts = std::make_unique<float[]>(ranges * total);
   if (ranges > 1) {
     const std::int64_t length = (outputs + ranges - 1) / ranges;

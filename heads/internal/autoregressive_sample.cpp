@@ -10,7 +10,7 @@ namespace arbox::heads::internal {
 namespace {
 
 constexpr std::uint32_t kPurpose = 200;  // and one for each further component
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
 
 /// The draws (rows) of a chunk of objects in groups of equal prefixes, object by object.
 struct Groups {
@@ -76,7 +76,7 @@ struct Chunk {
                                 kPurpose + static_cast<std::uint32_t>(i));
       const auto index = static_cast<std::uint32_t>(row % count);
       bins[at] = softmax.valid() ? softmax.draw(random.uniform(index)) : 0;
-      values[at] = softmax.valid() ? component.value(bins[at]) : kNan;
+      values[at] = softmax.valid() ? component.value(bins[at]) : kNoValue;
       log_probability[row] += logits[bins[at]] - softmax.log_normalizer();
     }
   }

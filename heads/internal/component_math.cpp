@@ -21,7 +21,7 @@ namespace {
 using at::Tensor;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 double period(const Component& component) { return component.high - component.low; }
 
@@ -105,11 +105,11 @@ Tensor masked_mean(const Tensor& values, const Tensor& mask) {
 }
 
 Tensor masked_least(const Tensor& values, const Tensor& mask) {
-  return values.masked_fill(mask.logical_not(), kInfinity).amin(1);
+  return values.masked_fill(mask.logical_not(), kUnbounded).amin(1);
 }
 
 Tensor masked_log_sum(const Tensor& values, const Tensor& mask) {
-  return at::logsumexp(values.masked_fill(mask.logical_not(), -kInfinity), 1);
+  return at::logsumexp(values.masked_fill(mask.logical_not(), -kUnbounded), 1);
 }
 
 Tensor size_values(const Tensor& sizes, const BoxCodec& codec, const References& references) {

@@ -10,7 +10,7 @@
 namespace arbox::detectors::pv_rcnn::internal {
 namespace {
 
-constexpr double kResidualSpread = 0.001;
+constexpr double kRegionResidualSpread = 0.001;
 
 using Dropout = RowNetwork::Dropout;
 
@@ -56,7 +56,7 @@ RegionHead::RegionHead(const RegionOptions& options, std::int64_t keypoint_chann
   add("cls_layers", options.shared.back(), options.confidence, 1);
   add("reg_layers", options.shared.back(), options.residuals, kBoxNumbers);
   networks_[kConfidence].last_bias().detach().zero_();
-  networks_[kResiduals].last_weight().detach().normal_(0, kResidualSpread);
+  networks_[kResiduals].last_weight().detach().normal_(0, kRegionResidualSpread);
   networks_[kResiduals].last_bias().detach().zero_();
 }
 

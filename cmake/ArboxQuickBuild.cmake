@@ -1,6 +1,7 @@
-# Headers that many files include, parsed once a build instead of once a file. Off for everyday work:
+# Headers that many files include, parsed once a build instead of once a file; and rooms of tensors
+# compiled in bundles of files, as LibTorch's headers cost seconds even then. Off for everyday work:
 # then each file shows that it includes what it uses, and compiler caches work.
-option(ARBOX_PRECOMPILED_HEADERS "Parse common headers once a build" OFF)
+option(ARBOX_QUICK_BUILD "Parse common headers once a build and bundle files of tensors" OFF)
 
 # arbox_header_set(name CODE library|program LIBS targets... HEADERS headers...)
 # Code that a compiler prepares for libraries and for programs differs (-fPIC, -fPIE), and so do
@@ -24,7 +25,7 @@ set(standard_headers <algorithm> <array> <cmath> <cstdint> <filesystem> <functio
 # ivalue.h must come before the module header (clang).
 set(tensor_headers <ATen/core/ivalue.h> <torch/nn/module.h> <ATen/TensorOperators.h>
   <torch/csrc/autograd/custom_function.h>)
-if(ARBOX_PRECOMPILED_HEADERS)
+if(ARBOX_QUICK_BUILD)
   arbox_header_set(library CODE library LIBS Eigen3::Eigen
     HEADERS ${standard_headers} <Eigen/Geometry>)
   arbox_header_set(tensor_library CODE library LIBS Eigen3::Eigen ${TORCH_LIBRARIES}
@@ -45,7 +46,7 @@ endif()
 # common headers parsed, LibTorch's too if one of the targets that it uses brings them.
 set(ARBOX_TENSOR_TARGETS torch arbox::sparse arbox::heads arbox::pv_rcnn arbox::training)
 function(arbox_precompile target kind used)
-  if(NOT ARBOX_PRECOMPILED_HEADERS OR OpenMP::OpenMP_CXX IN_LIST used)
+  if(NOT ARBOX_QUICK_BUILD OR OpenMP::OpenMP_CXX IN_LIST used)
     return()
   endif()
   foreach(brings_tensors IN LISTS ARBOX_TENSOR_TARGETS)
@@ -60,5 +61,16 @@ function(arbox_precompile target kind used)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # GCC bug 105651 again: in precompiled headers it forgets that they are the system's.
     target_compile_options(${target} PRIVATE -Wno-stringop-overflow -Wno-array-bounds)
+  endif()
+endfunction()
+
+# arbox_bundle(target): compiles the target's files eight at a time.
+function(arbox_bundle target)
+  if(ARBOX_QUICK_BUILD)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+      # To GCC a file that is included is a header, whose types should not hold unnamed ones.
+      target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+    endif()
   endif()
 endfunction()

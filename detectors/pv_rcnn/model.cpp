@@ -8,7 +8,7 @@ namespace arbox::detectors::pv_rcnn {
 namespace {
 
 constexpr const char* kKind = "pv_rcnn";
-constexpr const char* kHead = "roi_head.box_head.";
+constexpr const char* kHeadGroup = "roi_head.box_head.";
 constexpr const char* kFurtherHeads = "box_heads.";
 
 }  // namespace
@@ -23,10 +23,10 @@ io::ModelArchive to_archive(const Network& network, const heads::BoxHead& head,
   if (notes.calibration) archive.calibration = evaluation::to_json(*notes.calibration);
   archive.records = records_of(network, precision);
   std::erase_if(archive.records, [](const auto& record) {
-    return record.first.starts_with(kHead) || record.first.starts_with(kFurtherHeads);
+    return record.first.starts_with(kHeadGroup) || record.first.starts_with(kFurtherHeads);
   });
   for (auto& [name, record] : records_of(head, precision)) {
-    archive.records[kHead + name] = std::move(record);
+    archive.records[kHeadGroup + name] = std::move(record);
   }
   return archive;
 }

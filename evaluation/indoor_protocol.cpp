@@ -175,6 +175,7 @@ IndoorScore mean_of(const std::vector<IndoorScore>& scores) {
 
 IndoorScore sweep_mean(const std::vector<IndoorScore>& scores, const IndoorReport& report) {
   std::vector<IndoorScore> of_sweep;
+  of_sweep.reserve(kSweepSteps);
   for (int step = 0; step < kSweepSteps; ++step) {
     of_sweep.push_back(scores[threshold_index(report, sweep_threshold(step))]);
   }

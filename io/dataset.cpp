@@ -35,6 +35,14 @@ constexpr std::array kLayouts = {
            open_sunrgbd_votenet, create_sunrgbd_votenet},
     Layout{"sunrgbd-toolbox", "SUNRGBDMeta3DBB_v2.mat", fits_sunrgbd_toolbox, open_sunrgbd_toolbox,
            nullptr},
+    Layout{"cob3d-v2", "dset.json and scenes/", fits_cob3d_v2, open_cob3d_v2, nullptr},
+    Layout{"cob3d", "SPLIT/00000/data.npz", fits_cob3d, open_cob3d, create_cob3d},
+    Layout{"scannet-mmdet3d", "scannet_infos_*.pkl and points/", fits_mmdet3d_scannet,
+           open_mmdet3d_scannet, nullptr},
+    Layout{"sunrgbd-mmdet3d", "sunrgbd_infos_*.pkl and points/", fits_mmdet3d_sunrgbd,
+           open_mmdet3d_sunrgbd, nullptr},
+    Layout{"labelcloud", "pointclouds/ and labels/", fits_labelcloud, open_labelcloud, nullptr},
+    Layout{"cvat", "tracklet_labels.xml", fits_cvat, open_cvat, nullptr},
     Layout{"arbox", "dataset.json, or points/ and labels/", fits_arbox, open_arbox, create_arbox}};
 
 const Layout& layout_named(std::string_view name) {

@@ -96,8 +96,10 @@ void ListedDataset::add_split(std::string name, std::vector<std::string> scenes)
 }
 
 void ListedDataset::require_scene(std::string_view split, std::string_view name) const {
-  const std::vector<std::string> listed = names(split);
-  if (std::find(listed.begin(), listed.end(), name) != listed.end()) return;
+  const auto list = std::find_if(lists_.begin(), lists_.end(),
+                                 [&](const auto& entry) { return entry.first == split; });
+  if (list == lists_.end()) names(split);  // Refuses it.
+  if (std::find(list->second.begin(), list->second.end(), name) != list->second.end()) return;
   throw InvalidArgument(root_.string() + ": split " + std::string(split) + " holds no scene " +
                         quoted_text(name));
 }

@@ -24,8 +24,8 @@ if(ARBOX_BUILD_TESTS)
 endif()
 if(ARBOX_BUILD_BENCHMARKS)
   find_package(benchmark REQUIRED)
-  # Debian's package file of oneDNN asks for OpenCL; the library and its headers are enough.
-  find_library(ARBOX_DNNL_LIBRARY dnnl REQUIRED)
 endif()
 
 find_package(Torch REQUIRED)
+# Debian's package file of oneDNN asks for OpenCL; the library and its headers are enough.
+find_library(ARBOX_DNNL_LIBRARY dnnl REQUIRED)

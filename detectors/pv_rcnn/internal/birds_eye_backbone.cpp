@@ -24,21 +24,18 @@ MapLayer::MapLayer(torch::nn::Module& sequence, int place, std::int64_t in, std:
       std::make_shared<sparse::BatchNorm>(out, kBackboneEpsilon, kBackboneMomentum));
 }
 
-at::Tensor MapLayer::convolved(const at::Tensor& map, const at::Tensor& weight,
-                               const at::Tensor& bias) const {
-  const at::Tensor last = weight.contiguous(at::MemoryFormat::ChannelsLast);
-  if (transposed_) return at::conv_transpose2d(map, last, bias, stride_);
-  return at::conv2d(map, last, bias, stride_, kernel_ / 2);
+FoldedLayer MapLayer::folded() const {
+  const auto [scale, shift] = norm_->folded();
+  const at::Tensor shaped = transposed_ ? scale.view({1, -1, 1, 1}) : scale.view({-1, 1, 1, 1});
+  return {weight_ * shaped, shift, stride_};
 }
 
 at::Tensor MapLayer::forward(const at::Tensor& map) const {
-  if (sparse::folds(*norm_)) {
-    const auto [scale, shift] = norm_->folded();
-    const at::Tensor shaped = transposed_ ? scale.view({1, -1, 1, 1}) : scale.view({-1, 1, 1, 1});
-    return convolved(map, weight_ * shaped, shift).relu_();
-  }
+  const at::Tensor weight = weight_.contiguous(at::MemoryFormat::ChannelsLast);
+  const at::Tensor raw = transposed_ ? at::conv_transpose2d(map, weight, {}, stride_)
+                                     : at::conv2d(map, weight, {}, stride_, kernel_ / 2);
   const at::Tensor sums =
-      convolved(map, weight_, {}).contiguous(at::MemoryFormat::ChannelsLast).permute({0, 2, 3, 1});
+      raw.contiguous(at::MemoryFormat::ChannelsLast).permute({0, 2, 3, 1});
   const at::Tensor rows = norm_->forward(sums.reshape({-1, sums.size(3)}));
   return at::relu(rows).view(sums.sizes()).permute({0, 3, 1, 2});
 }
@@ -97,7 +94,28 @@ BirdsEyeBackbone::BirdsEyeBackbone(const BirdsEyeOptions& options, std::int64_t 
   }
 }
 
+std::shared_ptr<const MapPlan> BirdsEyeBackbone::plan_for(const at::Tensor& map) const {
+  std::uint64_t version = 0;
+  for (const auto& tensor : parameters()) version += tensor._version();
+  for (const auto& tensor : buffers()) version += tensor._version();
+  const std::scoped_lock lock(plan_mutex_);
+  if (plan_ && plan_version_ == version && map.sizes() == plan_->sizes()) return plan_;
+  std::vector<std::vector<FoldedLayer>> blocks;
+  std::vector<FoldedLayer> ups;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    std::vector<FoldedLayer>& block = blocks.emplace_back();
+    for (const MapLayer& layer : blocks_[i]) block.push_back(layer.folded());
+    ups.push_back(up_[i].folded());
+  }
+  plan_ = std::make_shared<const MapPlan>(blocks, ups, map.sizes());
+  plan_version_ = version;
+  return plan_;
+}
+
 at::Tensor BirdsEyeBackbone::forward(const at::Tensor& map) const {
+  if (sparse::folds(*this) && map.scalar_type() == at::kFloat && map.is_cpu()) {
+    return plan_for(map)->run(map);
+  }
   at::Tensor current = map;
   std::vector<at::Tensor> results;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <vector>
 
+#include "arbox/detectors/pv_rcnn/internal/map_plan.h"
 #include "arbox/detectors/pv_rcnn/options.h"
 #include "arbox/sparse/layers.h"
 
@@ -17,6 +19,7 @@ class MapLayer {
 
   /// (B, in, H, W) to (B, out, H', W'), channels last in memory.
   at::Tensor forward(const at::Tensor& map) const;
+  FoldedLayer folded() const;
 
   /// On active cells. A layer with `spread` activates every cell whose window holds an active one;
   /// the others keep theirs.
@@ -26,8 +29,6 @@ class MapLayer {
                                   const sparse::SparseTensor& target) const;
 
  private:
-  at::Tensor convolved(const at::Tensor& map, const at::Tensor& weight,
-                       const at::Tensor& bias) const;
   at::Tensor elements() const;
   at::Tensor finish(const sparse::Connection& connection, const at::Tensor& features) const;
 
@@ -43,13 +44,19 @@ class BirdsEyeBackbone : public torch::nn::Module {
  public:
   BirdsEyeBackbone(const BirdsEyeOptions& options, std::int64_t in_channels);
 
+  /// Without gradients, float32 maps go through a MapPlan that is kept for the next one.
   at::Tensor forward(const at::Tensor& map) const;
   /// The first layer of each block spreads to the neighbours of active cells.
   sparse::SparseTensor forward(const sparse::SparseTensor& cells) const;
 
  private:
+  std::shared_ptr<const MapPlan> plan_for(const at::Tensor& map) const;
+
   std::vector<std::vector<MapLayer>> blocks_;
   std::vector<MapLayer> up_;
+  mutable std::mutex plan_mutex_;
+  mutable std::shared_ptr<const MapPlan> plan_;  // until a parameter or the map's shape changes
+  mutable std::uint64_t plan_version_ = 0;
 };
 
 /// The cells of a grid-bounded tensor as a map (B, C * Z, Y, X), channel c * Z + z, channels last

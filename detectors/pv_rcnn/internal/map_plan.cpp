@@ -2,6 +2,8 @@
 
 #include <ATen/ops/empty.h>
 
+#include <algorithm>
+#include <array>
 #include <oneapi/dnnl/dnnl.hpp>
 #include <utility>
 
@@ -59,33 +61,50 @@ Step make_step(const at::Tensor& weight, const at::Tensor& bias, std::int64_t st
   if (kernel == 3 && stride == 1) chosen = describe(dnnl::algorithm::convolution_winograd);
   if (!chosen) chosen = describe(dnnl::algorithm::convolution_direct);
   dnnl::stream stream(engine);
-  return {dnnl::convolution_forward(chosen),
-          chosen.src_desc(),
-          chosen.dst_desc(),
-          chosen.scratchpad_desc(),
-          packed(weight, memory::desc(weights, kFloat, Tag::oihw), chosen.weights_desc(), engine,
-                 stream),
-          packed(bias, memory::desc({weights[0]}, kFloat, Tag::x), chosen.bias_desc(), engine,
-                 stream)};
+  return {
+      dnnl::convolution_forward(chosen),
+      chosen.src_desc(),
+      chosen.dst_desc(),
+      chosen.scratchpad_desc(),
+      packed(weight, memory::desc(weights, kFloat, Tag::oihw), chosen.weights_desc(), engine,
+             stream),
+      packed(bias, memory::desc({weights[0]}, kFloat, Tag::x), chosen.bias_desc(), engine, stream)};
 }
 
-memory reordered(const memory& from, const memory::desc& wanted, const dnnl::engine& engine,
-                 dnnl::stream& stream) {
-  if (from.get_desc() == wanted) return from;
-  memory to(wanted, engine);
-  dnnl::reorder(from, to).execute(stream, const_cast<memory&>(from), to);
-  return to;
-}
+/// Memory of one run, used again and again: maps go to and fro between two places, reordered ones
+/// to a third, primitives scratch in a fourth. Fresh memory would cost a page fault every 4 KiB.
+class Workspace {
+ public:
+  enum Place { kMap, kOtherMap, kReordered, kScratch, kPlaces };
 
-memory run_step(const Step& step, const memory& source, const dnnl::engine& engine,
-                dnnl::stream& stream) {
-  const memory input = reordered(source, step.source, engine, stream);
-  memory result(step.result, engine);
-  step.primitive.execute(stream, {{DNNL_ARG_SRC, input},
+  explicit Workspace(const std::array<std::size_t, kPlaces>& bytes) {
+    for (int place = 0; place < kPlaces; ++place) {
+      memory_[place] = at::empty({static_cast<std::int64_t>(bytes[place])}, at::kByte);
+    }
+  }
+  memory at_place(Place place, const memory::desc& wanted, const dnnl::engine& engine) {
+    return {wanted, engine, memory_[place].data_ptr()};
+  }
+
+ private:
+  std::array<at::Tensor, kPlaces> memory_;
+};
+
+/// Runs a step into `to`, which is not where `source` is.
+memory run_step(const Step& step, memory source, Workspace& workspace, Workspace::Place to,
+                const dnnl::engine& engine, dnnl::stream& stream) {
+  if (source.get_desc() != step.source) {
+    memory input = workspace.at_place(Workspace::kReordered, step.source, engine);
+    dnnl::reorder(source, input).execute(stream, source, input);
+    source = input;
+  }
+  memory result = workspace.at_place(to, step.result, engine);
+  step.primitive.execute(stream, {{DNNL_ARG_SRC, source},
                                   {DNNL_ARG_WEIGHTS, step.weight},
                                   {DNNL_ARG_BIAS, step.bias},
                                   {DNNL_ARG_DST, result},
-                                  {DNNL_ARG_SCRATCHPAD, memory(step.scratch, engine)}});
+                                  {DNNL_ARG_SCRATCHPAD,
+                                   workspace.at_place(Workspace::kScratch, step.scratch, engine)}});
   stream.wait();
   return result;
 }
@@ -104,6 +123,15 @@ struct MapPlan::Steps {
   dnnl::engine engine{dnnl::engine::kind::cpu, 0};
   std::vector<std::vector<Step>> blocks;
   std::vector<UpStep> ups;
+  std::array<std::size_t, Workspace::kPlaces> bytes{};
+
+  void reserve(const Step& step) {
+    for (const auto place : {Workspace::kMap, Workspace::kOtherMap}) {
+      bytes[place] = std::max(bytes[place], step.result.get_size());
+    }
+    bytes[Workspace::kReordered] = std::max(bytes[Workspace::kReordered], step.source.get_size());
+    bytes[Workspace::kScratch] = std::max(bytes[Workspace::kScratch], step.scratch.get_size());
+  }
 };
 
 MapPlan::MapPlan(const std::vector<std::vector<FoldedLayer>>& blocks,
@@ -116,13 +144,15 @@ MapPlan::MapPlan(const std::vector<std::vector<FoldedLayer>>& blocks,
     for (const FoldedLayer& layer : blocks[i]) {
       block.push_back(make_step(layer.weight.contiguous(), layer.bias.contiguous(), layer.stride,
                                 shape, steps->engine));
+      steps->reserve(block.back());
       shape = block.back().result.dims();
     }
     const std::int64_t factor = ups[i].stride;
-    steps->ups.push_back({make_step(as_pointwise(ups[i].weight),
-                                    ups[i].bias.repeat({factor * factor}).contiguous(), 1, shape,
-                                    steps->engine),
-                          ups[i].weight.size(1), factor});
+    steps->ups.push_back(
+        {make_step(as_pointwise(ups[i].weight), ups[i].bias.repeat({factor * factor}).contiguous(),
+                   1, shape, steps->engine),
+         ups[i].weight.size(1), factor});
+    steps->reserve(steps->ups.back().step);
   }
   steps_ = std::move(steps);
 }
@@ -135,17 +165,22 @@ at::Tensor MapPlan::run(const at::Tensor& map) const {
   const at::Tensor input = map.contiguous(at::MemoryFormat::ChannelsLast);
   const memory::dims dims(input.sizes().begin(), input.sizes().end());
   memory current(memory::desc(dims, kFloat, Tag::nhwc), engine, input.data_ptr<float>());
+  Workspace workspace(steps_->bytes);
+  Workspace::Place free = Workspace::kMap;
   std::int64_t channels = 0, begin = 0;
   for (const UpStep& up : steps_->ups) channels += up.channels;
   at::Tensor result;  // (B, H, W, channels)
   for (std::size_t i = 0; i < steps_->blocks.size(); ++i) {
-    for (const Step& step : steps_->blocks[i]) current = run_step(step, current, engine, stream);
+    for (const Step& step : steps_->blocks[i]) {
+      current = run_step(step, current, workspace, free, engine, stream);
+      free = free == Workspace::kMap ? Workspace::kOtherMap : Workspace::kMap;
+    }
     const UpStep& up = steps_->ups[i];
-    const memory risen = run_step(up.step, current, engine, stream);
+    memory risen = run_step(up.step, current, workspace, free, engine, stream);
     const auto shape = up.step.result.dims();
     const at::Tensor rows = at::empty({shape[0], shape[2], shape[3], shape[1]}, input.options());
     memory to(memory::desc(shape, kFloat, Tag::nhwc), engine, rows.data_ptr<float>());
-    dnnl::reorder(risen, to).execute(stream, const_cast<memory&>(risen), to);
+    dnnl::reorder(risen, to).execute(stream, risen, to);
     stream.wait();
     const std::int64_t k = up.factor;
     if (!result.defined()) {

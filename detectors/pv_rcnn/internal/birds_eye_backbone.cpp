@@ -34,8 +34,7 @@ at::Tensor MapLayer::forward(const at::Tensor& map) const {
   const at::Tensor weight = weight_.contiguous(at::MemoryFormat::ChannelsLast);
   const at::Tensor raw = transposed_ ? at::conv_transpose2d(map, weight, {}, stride_)
                                      : at::conv2d(map, weight, {}, stride_, kernel_ / 2);
-  const at::Tensor sums =
-      raw.contiguous(at::MemoryFormat::ChannelsLast).permute({0, 2, 3, 1});
+  const at::Tensor sums = raw.contiguous(at::MemoryFormat::ChannelsLast).permute({0, 2, 3, 1});
   const at::Tensor rows = norm_->forward(sums.reshape({-1, sums.size(3)}));
   return at::relu(rows).view(sums.sizes()).permute({0, 3, 1, 2});
 }

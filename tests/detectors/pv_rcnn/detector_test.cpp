@@ -1,0 +1,243 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <ATen/Context.h>
+
+#include <limits>
+#include <thread>
+
+#include "arbox/base/error.h"
+#include "arbox/detectors/pv_rcnn/pv_rcnn.h"
+#include "arbox/geometry/nms.h"
+#include "detectors/pv_rcnn/small_network.h"
+
+namespace arbox::detectors::pv_rcnn {
+namespace {
+
+PvRcnn made_detector(const std::vector<std::string>& more = {},
+                     std::optional<evaluation::ConfidenceCalibration> calibration = {}) {
+  std::vector<std::string> changes = small_autoregressive();
+  changes.insert(changes.end(), more.begin(), more.end());
+  at::manual_seed(5);
+  auto network = std::make_shared<Network>(small_options(true, changes));
+  unsettle(*network);
+  return PvRcnn(network, std::move(calibration));
+}
+
+void expect_same(const DetectionResult& a, const DetectionResult& b, double tolerance,
+                 double lifted = 0) {
+  ASSERT_EQ(a.detections.size(), b.detections.size());
+  for (std::size_t i = 0; i < a.detections.size(); ++i) {
+    const geometry::Detection &one = a.detections[i], &other = b.detections[i];
+    EXPECT_EQ(one.label, other.label);
+    EXPECT_NEAR(one.score, other.score, tolerance);
+    EXPECT_LE((one.box.center + Eigen::Vector3d(0, 0, lifted) - other.box.center).norm(),
+              tolerance);
+    EXPECT_LE((one.box.size - other.box.size).norm(), tolerance);
+  }
+}
+
+TEST(PvRcnnDetector, GivesWhatIsAskedFor) {
+  const PvRcnn detector = made_detector();
+  const auto scan = made_scan(1);
+  const auto result =
+      detector.detect(view_of(scan), {.quantiles = {0.2, 0.5}, .samples = true, .seed = 3});
+  ASSERT_FALSE(result.detections.empty());
+  EXPECT_EQ(result.dropped_points, 0);
+  double last = 1;
+  for (const geometry::Detection& detection : result.detections) {
+    EXPECT_LE(detection.score, last);
+    last = detection.score;
+    EXPECT_THAT(detection.label, testing::AnyOf("Car", "Pedestrian", "Cyclist"));
+    ASSERT_EQ(detection.quantile_boxes.size(), 2U);
+    EXPECT_EQ(detection.quantile_boxes[0].q, 0.2);
+    EXPECT_EQ(detection.samples.size(), 64U);
+    ASSERT_TRUE(detection.uncertainty);
+    EXPECT_GE(*detection.uncertainty, 0);
+    EXPECT_LE(*detection.uncertainty, 1);
+    ASSERT_TRUE(detection.log_density);
+    EXPECT_TRUE(std::isfinite(*detection.log_density));
+  }
+  const auto few = detector.detect(view_of(scan), {.score = last + 1e-9});
+  EXPECT_LT(few.detections.size(), result.detections.size());
+}
+
+TEST(PvRcnnDetector, TheModeIsLikelierThanOtherBoxes) {
+  const auto scan = made_scan(1);
+  const auto mode = made_detector().detect(view_of(scan));
+  const auto mean = made_detector({"post.box=mean"}).detect(view_of(scan));
+  const auto pointwise = made_detector({"post.box=pointwise"}).detect(view_of(scan));
+  const auto quantile = made_detector({"post.box=quantile"}).detect(view_of(scan));
+  ASSERT_EQ(mode.detections.size(), mean.detections.size());
+  ASSERT_EQ(mode.detections.size(), pointwise.detections.size());
+  ASSERT_EQ(mode.detections.size(), quantile.detections.size());
+  for (std::size_t i = 0; i < mode.detections.size(); ++i) {
+    EXPECT_GE(*mode.detections[i].log_density + 1e-3, *mean.detections[i].log_density);
+    EXPECT_GE(*mode.detections[i].log_density + 1e-3, *pointwise.detections[i].log_density);
+    EXPECT_TRUE(quantile.detections[i].quantile_boxes.empty());
+  }
+}
+
+TEST(PvRcnnDetector, SuppressionOfDecodedBoxesLeavesThemApart) {
+  const auto scan = made_scan(1);
+  const auto result = made_detector({"post.nms_on=decoded"}).detect(view_of(scan));
+  ASSERT_FALSE(result.detections.empty());
+  std::vector<geometry::Box> boxes;
+  std::vector<double> scores;
+  for (const auto& detection : result.detections) {
+    boxes.push_back(detection.box);
+    scores.push_back(detection.score);
+  }
+  EXPECT_EQ(geometry::nms(boxes, scores, {.threshold = 0.3}).kept.size(), boxes.size());
+}
+
+TEST(PvRcnnDetector, PointwiseHeadSaysThatItHasNoDistribution) {
+  at::manual_seed(5);
+  auto network = std::make_shared<Network>(small_options(false));
+  unsettle(*network);
+  const PvRcnn detector(network);
+  const auto scan = made_scan(1);
+  const auto result = detector.detect(view_of(scan), {.quantiles = {0.3}});
+  ASSERT_FALSE(result.detections.empty());
+  for (const geometry::Detection& detection : result.detections) {
+    EXPECT_FALSE(detection.uncertainty);
+    EXPECT_FALSE(detection.log_density);
+    ASSERT_EQ(detection.quantile_boxes.size(), 1U);
+    EXPECT_LT((detection.quantile_boxes[0].box.center - detection.box.center).norm(), 1e-3);
+  }
+}
+
+TEST(PvRcnnDetector, NothingIsFoundInNothing) {
+  const PvRcnn detector = made_detector();
+  EXPECT_TRUE(detector.detect({}).detections.empty());
+  const std::vector<float> behind = {-5, 0, 0, 0.5f, -6, 1, 0, 0.5f};
+  EXPECT_TRUE(detector.detect(view_of(behind)).detections.empty());
+  const std::vector<float> above = {5, 0, 30, 0.5f};
+  EXPECT_TRUE(detector.detect(view_of(above)).detections.empty());
+  const std::vector<float> one = {5, 0, -1, 0.5f};
+  EXPECT_NO_THROW(detector.detect(view_of(one)));
+}
+
+TEST(PvRcnnDetector, PointsThatAreNotFiniteAreCounted) {
+  const PvRcnn detector = made_detector();
+  const auto scan = made_scan(1);
+  auto broken = scan;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  broken.insert(broken.begin(), {nan, 1, 1, 0, 1, std::numeric_limits<float>::infinity(), 1, 0});
+  const auto result = detector.detect(view_of(broken));
+  EXPECT_EQ(result.dropped_points, 2);
+  expect_same(result, detector.detect(view_of(scan)), 0);
+  broken = scan;
+  broken[3] = nan;
+  EXPECT_NO_THROW(detector.detect(view_of(broken)));
+}
+
+TEST(PvRcnnDetector, IntensityMayHaveAnyScaleOrBeMissing) {
+  const PvRcnn detector = made_detector();
+  const auto scan = made_scan(1);
+  for (const float full : {255.0f, 65535.0f}) {
+    auto scaled = scan;
+    float largest = 0;
+    for (std::size_t i = 3; i < scan.size(); i += 4) largest = std::max(largest, scan[i]);
+    for (std::size_t i = 3; i < scan.size(); i += 4) scaled[i] *= full / largest;
+    auto unit = scan;
+    for (std::size_t i = 3; i < scan.size(); i += 4) unit[i] /= largest;
+    expect_same(detector.detect(view_of(scaled)), detector.detect(view_of(unit)), 1e-3);
+  }
+  std::vector<float> bare, zero = scan;
+  for (std::size_t i = 0; i < scan.size(); i += 4) {
+    bare.insert(bare.end(), scan.begin() + i, scan.begin() + i + 3);
+    zero[i + 3] = 0;
+  }
+  expect_same(detector.detect(geometry::PointCloudView::packed(bare.data(), bare.size() / 3)),
+              detector.detect(view_of(zero)), 0);
+}
+
+TEST(PvRcnnDetector, ManyPointsAreThinned) {
+  const PvRcnn detector = made_detector({"voxels.max_points=2000", "voxels.max_voxels=500"});
+  const auto scan = made_scan(1, 300000);
+  const auto view = view_of(scan);
+  const PointBatch batch = make_batch({&view, 1}, detector.options(), false, 0);
+  EXPECT_LE(batch.points.size(0), 2000);
+  EXPECT_GT(batch.points.size(0), 1500);
+  EXPECT_LE(batch.voxels.size(), 500);
+  EXPECT_NO_THROW(detector.detect(view));
+}
+
+TEST(PvRcnnDetector, ASensorAtAnotherHeightSeesTheSame) {
+  const auto scan = made_scan(1);
+  auto raised = scan;
+  // Exact in float32, so that every point stays in its voxel.
+  for (std::size_t i = 2; i < scan.size(); i += 4) raised[i] = std::round(raised[i] * 256) / 256;
+  auto level = raised;
+  for (std::size_t i = 2; i < scan.size(); i += 4) raised[i] -= 0.5f;
+  const auto low = made_detector().detect(view_of(level));
+  const auto high =
+      made_detector({"trained_sensor_height=1.75", "sensor_height=2.25"}).detect(view_of(raised));
+  expect_same(high, low, 1e-3, 0.5);
+}
+
+TEST(PvRcnnDetector, ThreadsShareADetector) {
+  const PvRcnn detector = made_detector();
+  const auto first = made_scan(1), second = made_scan(2);
+  const auto alone_first = detector.detect(view_of(first));
+  const auto alone_second = detector.detect(view_of(second));
+  std::vector<DetectionResult> results(4);
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    threads.emplace_back(
+        [&, i] { results[i] = detector.detect(view_of(i % 2 == 0 ? first : second)); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    expect_same(results[i], i % 2 == 0 ? alone_first : alone_second, 0);
+  }
+}
+
+TEST(PvRcnnDetector, RequestsOutOfRangeAreRefused) {
+  const PvRcnn detector = made_detector();
+  const auto scan = made_scan(1, 100);
+  EXPECT_THROW(detector.detect(view_of(scan), {.quantiles = {1.5}}), InvalidArgument);
+  EXPECT_THROW(detector.detect(view_of(scan), {.score = 2}), InvalidArgument);
+  try {
+    detector.detect(view_of(scan), {.confidences = {0.9}});
+    FAIL() << "accepted";
+  } catch (const InvalidArgument& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("calibration"));
+  }
+  EXPECT_THROW(PvRcnn(nullptr), InvalidArgument);
+}
+
+TEST(PvRcnnDetector, ConfidenceBoxesComeFromTheCalibration) {
+  evaluation::ConfidenceCalibration calibration;
+  for (const char* label : {"Car", "Pedestrian", "Cyclist"}) {
+    calibration.classes[label] = {{0.5, 500}, {1.0, 500}};
+  }
+  const PvRcnn detector = made_detector({}, calibration);
+  const auto scan = made_scan(1);
+  const auto result = detector.detect(view_of(scan), {.confidences = {0.3, 0.9}});
+  ASSERT_FALSE(result.detections.empty());
+  for (const geometry::Detection& detection : result.detections) {
+    ASSERT_EQ(detection.confidence_boxes.size(), 2U);
+    EXPECT_GE(geometry::volume(detection.confidence_boxes[1].box),
+              geometry::volume(detection.confidence_boxes[0].box) - 1e-9);
+  }
+}
+
+TEST(PvRcnnDetector, BoxesThatAreNotFiniteAreCounted) {
+  at::manual_seed(5);
+  auto network = std::make_shared<Network>(small_options(true, small_autoregressive()));
+  auto parameters = network->named_parameters();
+  parameters["roi_head.reg_layers.4.bias"].detach().fill_(std::numeric_limits<float>::quiet_NaN());
+  const auto scan = made_scan(1);
+  const auto result = PvRcnn(network).detect(view_of(scan));
+  EXPECT_TRUE(result.detections.empty());
+  EXPECT_GT(result.dropped_boxes, 0);
+  parameters["dense_head.conv_cls.bias"].detach().fill_(std::numeric_limits<float>::quiet_NaN());
+  const auto nothing = PvRcnn(network).detect(view_of(scan));
+  EXPECT_TRUE(nothing.detections.empty());
+  EXPECT_GT(nothing.dropped_boxes, 0);
+}
+
+}  // namespace
+}  // namespace arbox::detectors::pv_rcnn

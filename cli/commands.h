@@ -21,6 +21,7 @@ void add_quantile_box(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_plugins(CLI::App& app);
 void add_simulate(CLI::App& app);
+void add_train(CLI::App& app);
 void add_view(CLI::App& app);
 
 /// Adds `kitti` to the command `info`.

@@ -16,6 +16,7 @@ void add_commands(CLI::App& app) {
   add_evaluate(app);
   add_plugins(app);
   add_simulate(app);
+  add_train(app);
   add_view(app);
   add_examples(app, {{"arbox detect scan.pcd --view boxes.png", "Boxes as JSON, and a picture"},
                      {"arbox evaluate kitti --labels label_2 --predictions results",

@@ -2,12 +2,14 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "arbox/base/registry.h"
 #include "arbox/geometry/box.h"
+#include "arbox/training/train_report.h"
 
 /// \file
 /// What the program does with LibTorch lives in a library of its own that is opened when it is
@@ -52,14 +54,35 @@ struct ImportResult {
   std::vector<std::string> unused;
 };
 
+/// A run of training/train.h with a configuration of training/pv_rcnn_training.h.
+struct TrainRequest {
+  std::filesystem::path folder;
+  /// A YAML file.
+  std::filesystem::path configuration;
+  /// KEY=VALUE changes to it.
+  std::vector<std::string> overrides;
+  bool resume = false;
+  training::TrainObserver* observer = nullptr;
+};
+
+struct TrainOutcome {
+  /// False in the helping processes of a data-parallel run.
+  bool leads = true;
+  /// False if the run was asked to end before, or its time was over.
+  bool finished = false;
+  std::int64_t steps = 0;
+  std::int64_t skipped = 0;
+};
+
 /// Options structs of the library beside those of what it registers.
 struct TorchOptions {
   const char* name;
   const char* help;
 };
-inline constexpr std::array<TorchOptions, 2> kTorchOptions = {
+inline constexpr std::array<TorchOptions, 3> kTorchOptions = {
     {{"codec", "How heads turn boxes into numbers"},
-     {"conditioning", "How boxes of known sizes are searched and compared"}}};
+     {"conditioning", "How boxes of known sizes are searched and compared"},
+     {"train/pv_rcnn", "A training run of PV-RCNN"}}};
 
 /// The functions of the library.
 struct TorchModule {
@@ -69,6 +92,7 @@ struct TorchModule {
   OptionsMaker (*find_options)(std::string_view name);
   FitBinsResult (*fit_bins)(const FitBinsRequest& request);
   ImportResult (*import_openpcdet)(const ImportRequest& request);
+  TrainOutcome (*train)(const TrainRequest& request);
 };
 
 /// Opens the library, once. Throws NotAvailable if this installation lacks it.

@@ -1,5 +1,6 @@
 #include "arbox/base/options.h"
 #include "arbox/cli/torch_module.h"
+#include "arbox/cli/torch_training.h"
 #include "arbox/detectors/pv_rcnn/import_openpcdet.h"
 #include "arbox/heads/conditioning.h"
 #include "arbox/heads/fit_ranges.h"
@@ -20,6 +21,7 @@ void register_built_ins(Registry& registry) {
 OptionsMaker find_options(std::string_view name) {
   if (name == "codec") return &make_options<heads::CodecOptions>;
   if (name == "conditioning") return &make_options<heads::ConditioningOptions>;
+  if (name == "train/pv_rcnn") return &make_training_options;
   return nullptr;
 }
 
@@ -63,6 +65,6 @@ extern "C" __attribute__((visibility("default"))) const arbox::cli::TorchModule*
 arbox_torch_module() {
   using namespace arbox;
   static const cli::TorchModule module = {&cli::register_built_ins, &cli::find_options,
-                                          &cli::fit_bins, &cli::import_openpcdet};
+                                          &cli::fit_bins, &cli::import_openpcdet, &cli::train};
   return &module;
 }

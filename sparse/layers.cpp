@@ -11,6 +11,7 @@
 #include <ATen/ops/zeros.h>
 
 #include <cmath>
+#include <utility>
 
 namespace arbox::sparse {
 namespace {
@@ -42,7 +43,27 @@ BatchNorm::BatchNorm(std::int64_t channels, double epsilon, double momentum)
       epsilon_(epsilon),
       momentum_(momentum) {}
 
+at::Tensor BatchNorm::forward_shared(const at::Tensor& features,
+                                     std::shared_ptr<const SharedStatistics::Sum> sum) {
+  const NormStatistics statistics = shared_statistics(features, *sum);
+  if (statistics.count < 2) {
+    if (features.size(0) == 0) return features;
+    return at::batch_norm(features, weight_, bias_, running_mean_, running_var_, false, momentum_,
+                          epsilon_, false);
+  }
+  batches_.add_(1);
+  const auto update = [&](at::Tensor& running, const at::Tensor& now) {
+    running.mul_(1 - momentum_).add_(now.to(running.scalar_type()), momentum_);
+  };
+  update(running_mean_, statistics.mean);
+  update(running_var_, statistics.variance * (statistics.count / (statistics.count - 1)));
+  return shared_batch_norm(features, weight_, bias_, statistics, epsilon_, std::move(sum));
+}
+
 at::Tensor BatchNorm::forward(const at::Tensor& features) {
+  if (is_training()) {
+    if (auto sum = SharedStatistics::current()) return forward_shared(features, std::move(sum));
+  }
   const bool training = is_training() && features.size(0) > 1;
   if (features.size(0) == 0) return features;
   if (training) batches_.add_(1);

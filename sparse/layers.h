@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "arbox/sparse/convolution.h"
+#include "arbox/sparse/shared_statistics.h"
 
 /// \file
 /// Trainable layers on sparse tensors. Parameter names are those of published checkpoints:
@@ -24,7 +25,8 @@ SparseTensor elu(const SparseTensor& input);
 
 /// Batch norm over the rows of a matrix (N, C), which are the active voxels of the whole batch.
 /// Parameters weight, bias; buffers running_mean, running_var, num_batches_tracked.
-/// Training on fewer than two rows uses the running statistics and leaves them alone.
+/// Training on fewer than two rows uses the running statistics and leaves them alone. Under
+/// SharedStatistics the rows are those of all processes.
 class BatchNorm : public torch::nn::Module {
  public:
   explicit BatchNorm(std::int64_t channels, double epsilon = 1e-5, double momentum = 0.1);
@@ -37,6 +39,9 @@ class BatchNorm : public torch::nn::Module {
   Folded folded() const;
 
  private:
+  at::Tensor forward_shared(const at::Tensor& features,
+                            std::shared_ptr<const SharedStatistics::Sum> sum);
+
   at::Tensor weight_, bias_, running_mean_, running_var_, batches_;
   double epsilon_, momentum_;
 };

@@ -9,6 +9,7 @@ namespace arbox::training {
 std::unique_ptr<SceneSource> make_scene_source(const SceneDataOptions& options,
                                                const std::vector<std::string>& classes) {
   validate_options(options, "scenes");
+  if (options.kind == "none") return nullptr;
   ClassNames names(classes);
   if (options.kind == "street") {
     return std::make_unique<StreetSceneSource>(options.street, std::move(names));

@@ -11,7 +11,7 @@ namespace arbox::training {
 
 /// Where scenes come from, as a configuration says it.
 struct SceneDataOptions {
-  /// `kitti`: a folder; `street`: the simulator.
+  /// `kitti`: a folder; `street`: the simulator; `none`.
   std::string kind = "kitti";
   KittiSourceOptions kitti;
   StreetSourceOptions street;
@@ -19,15 +19,16 @@ struct SceneDataOptions {
   template <class Visitor>
   static void describe(Visitor& visitor) {
     using Self = SceneDataOptions;
-    visitor.field(
-        "kind", &Self::kind,
-        {.help = "A folder in KITTI's layout, or the simulator", .choices = {"kitti", "street"}});
+    visitor.field("kind", &Self::kind,
+                  {.help = "A folder in KITTI's layout, the simulator, or none",
+                   .choices = {"kitti", "street", "none"}});
     visitor.group("kitti", &Self::kitti, "Scenes of a folder");
     visitor.group("street", &Self::street, "Scenes of the simulator");
   }
 };
 
-/// Throws ConfigError for options out of range, and as the source that is asked for.
+/// Nothing if the kind is none. Throws ConfigError for options out of range, and as the source that
+/// is asked for.
 std::unique_ptr<SceneSource> make_scene_source(const SceneDataOptions& options,
                                                const std::vector<std::string>& classes);
 

@@ -1,0 +1,172 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <pty.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "arbox/cli/training_progress.h"
+#include "support/program.h"
+
+namespace {
+
+using arbox::cli::training_text;
+using arbox::cli::TrainingProgress;
+using arbox::testing::expect_one_line_error;
+using arbox::testing::run_arbox;
+using arbox::testing::slurp;
+using arbox::testing::TemporaryDirectory;
+using ::testing::HasSubstr;
+
+arbox::training::StepReport report(std::int64_t step) {
+  arbox::training::StepReport result;
+  result.step = step;
+  result.steps = 4000;
+  result.epoch = 0.48;
+  result.loss = 1.32;
+  result.terms = {{"box", 0.4}, {"class", 0.92}};
+  result.learning_rate = 0.0012;
+  result.scenes_per_second = 2.1;
+  result.seconds_left = 3723;
+  return result;
+}
+
+TEST(TrainingText, TellsWhatAPersonWaitsFor) {
+  EXPECT_EQ(
+      training_text(report(120)),
+      "step 120/4000, 1:02:03 left, loss 1.32 (box 0.4, class 0.92), epoch 0.48, rate 0.0012, "
+      "2.1 scenes/s");
+  auto skipped = report(1);
+  skipped.skipped = true;
+  skipped.terms.clear();
+  skipped.seconds_left = 59.2;
+  EXPECT_THAT(training_text(skipped), HasSubstr("01:00 left, loss 1.32 (skipped), epoch"));
+  EXPECT_EQ(training_text(arbox::training::ValidationReport{7, {{"Car", 0.5}, {"Van", 1}}, 2}),
+            "validation after step 7: Car 0.5, Van 1");
+}
+
+TEST(TrainingProgress, DrawsOneLineOnATerminalAndLinesElsewhere) {
+  int outer = -1, inner = -1;
+  ASSERT_EQ(::openpty(&outer, &inner, nullptr, nullptr, nullptr), 0);
+  {
+    TrainingProgress progress(inner);
+    progress.on_step(report(1));
+    progress.on_step(report(2));  // Too soon to be drawn.
+    progress.on_validation({1, {{"Car", 0.5}}, 1});
+    progress.on_step(report(4000));
+  }
+  ::write(inner, "|", 1);
+  std::string shown;
+  std::array<char, 4096> buffer{};
+  while (!shown.ends_with('|')) {
+    const ssize_t count = ::read(outer, buffer.data(), buffer.size());
+    if (count <= 0) break;
+    shown.append(buffer.data(), static_cast<std::size_t>(count));
+  }
+  ::close(outer);
+  ::close(inner);
+  EXPECT_TRUE(shown.starts_with("step 1/4000, 1:02:03 left, loss 1.32")) << shown;
+  EXPECT_EQ(shown.find("step 2/4000"), std::string::npos) << shown;
+  EXPECT_THAT(shown, HasSubstr("...\r\x1b[Kvalidation after step 1: Car 0.5\r\n"));
+  EXPECT_TRUE(shown.ends_with("\r\x1b[K|")) << shown;
+}
+
+/// Two simulated scans, and a small network that is trained on them.
+class TrainCommand : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryDirectory;
+    const auto made =
+        run_arbox({"simulate", "street", "--scenes", "4", "--output", *folder_ / "streets"});
+    ASSERT_EQ(made.exit_code, 0) << made.errors;
+    folder_->write("train.yaml", "network_file: " + small_network() + R"(
+model: {augmentation: {objects: {counts: [2, 2, 2]}}}
+data: {kind: kitti, kitti: {root: )" +
+                                     (*folder_ / "streets").string() + R"(, all_round: true}}
+train: {steps: 3, batch_size: 1, seed: 5}
+)");
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  /// The compact configuration with a smaller range.
+  static std::string small_network() {
+    std::string text = slurp(ARBOX_CONFIGS "/pv_rcnn_compact.yaml");
+    const auto replace = [&](const std::string& from, const std::string& to) {
+      const std::size_t place = text.find(from);
+      ASSERT_NE(place, std::string::npos) << from;
+      text.replace(place, from.size(), to);
+    };
+    replace("-70.4, -70.4", "-19.2, -19.2");
+    replace("70.4, 70.4", "19.2, 19.2");
+    return folder_->write("small.yaml", text).string();
+  }
+
+  static std::string path(const char* name) { return (*folder_ / name).string(); }
+
+  static TemporaryDirectory* folder_;
+};
+
+TemporaryDirectory* TrainCommand::folder_ = nullptr;
+
+TEST_F(TrainCommand, TrainsEndsAndResumes) {
+  const auto whole = run_arbox({"train", path("train.yaml"), "--output", path("whole")});
+  ASSERT_EQ(whole.exit_code, 0) << whole.errors;
+  EXPECT_THAT(whole.output, HasSubstr("trained 3 steps: " + path("whole") + "/model.arbox"));
+  EXPECT_THAT(whole.errors, HasSubstr("step 3/3"));
+  std::istringstream log(slurp(path("whole") + "/log.jsonl"));
+  int lines = 0;
+  for (std::string line; std::getline(log, line); ++lines) {
+    EXPECT_EQ(nlohmann::json::parse(line).at("step"), lines + 1);
+  }
+  EXPECT_EQ(lines, 3);
+  const auto part =
+      run_arbox({"train", path("train.yaml"), "--output", path("part"), "train.time_limit=0.001"});
+  ASSERT_EQ(part.exit_code, 0) << part.errors;
+  EXPECT_THAT(part.output, HasSubstr("go on with: arbox train --resume " + path("part")));
+  EXPECT_FALSE(std::filesystem::exists(path("part") + "/model.arbox"));
+  const auto rest = run_arbox({"train", "--resume", path("part"), "train.time_limit=0"});
+  ASSERT_EQ(rest.exit_code, 0) << rest.errors;
+  EXPECT_EQ(slurp(path("part") + "/model.arbox"), slurp(path("whole") + "/model.arbox"));
+
+  expect_one_line_error(run_arbox({"train", path("train.yaml"), "--output", path("whole")}), 1,
+                        {"holds a training run"});
+  expect_one_line_error(run_arbox({"train", "--resume", path("whole"), "train.seed=9"}), 1,
+                        {"seed was 5, is now 9"});
+}
+
+TEST_F(TrainCommand, WrongUseIsExplained) {
+  expect_one_line_error(run_arbox({"train"}), 2, {"expected a CONFIG file, or --resume DIR"});
+  expect_one_line_error(run_arbox({"train", "--resume", "/no/such/folder"}), 2,
+                        {"/no/such/folder"});
+  expect_one_line_error(run_arbox({"train", "--resume", path("streets"), path("train.yaml")}), 2,
+                        {"--resume takes the configuration of its folder"});
+  expect_one_line_error(run_arbox({"train", "--resume", path("streets")}), 1, {"config.yaml"});
+  expect_one_line_error(run_arbox({"train", path("none.yaml")}), 1, {"none.yaml"});
+  const auto wrong = [&](const std::string& change, const std::string& part) {
+    expect_one_line_error(
+        run_arbox({"train", path("train.yaml"), "--output", path("wrong"), change}), 1, {part});
+  };
+  wrong("train.stepps=4", "'train.steps'");
+  wrong("data.kind=none", "data.kind: expected kitti or street");
+  wrong("data.kitti.root=/no/such/data", "/no/such/data");
+  wrong("train.accumulate=2", "accumulate");
+  wrong("train.frozen=[backbone_9]", "nearest is");
+  wrong("network_file=none.yaml", "none.yaml");
+  expect_one_line_error(run_arbox({"train", path("train.yaml"), "--output", path("wrong")},
+                                  {.environment = {{"WORLD_SIZE", "x"}}}),
+                        1, {"WORLD_SIZE"});
+}
+
+TEST_F(TrainCommand, ConfigurationsOfTheProjectAreValid) {
+  for (const char* name :
+       {"train_compact_street.yaml", "train_compact_folder.yaml", "train_pv_rcnn_kitti.yaml"}) {
+    const auto result =
+        run_arbox({"config", "check", "train/pv_rcnn", std::string(ARBOX_CONFIGS "/") + name});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+  }
+}
+
+}  // namespace

@@ -1,0 +1,158 @@
+#include "arbox/training/checkpoint.h"
+
+#include <ATen/TensorOperators.h>
+#include <ATen/ops/arange.h>
+#include <ATen/ops/full.h>
+#include <ATen/ops/randn.h>
+#include <ATen/ops/zeros.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "arbox/base/error.h"
+#include "arbox/sparse/layers.h"
+#include "arbox/training/durable_file.h"
+#include "arbox/training/network_state.h"
+#include "arbox/training/tensor_record.h"
+#include "arbox/training/weights_file.h"
+#include "support/program.h"
+
+namespace {
+
+using namespace arbox;
+using namespace arbox::training;
+using arbox::testing::slurp;
+using arbox::testing::TemporaryDirectory;
+
+template <class Error, class Call>
+void expect_message(const Call& call, const std::string& part) {
+  try {
+    call();
+    ADD_FAILURE() << "expected an error with '" << part << "'";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+  }
+}
+
+std::shared_ptr<sparse::ResidualBlock> block() {
+  return std::make_shared<sparse::ResidualBlock>(4, 6, 2);
+}
+
+TEST(TensorRecord, KeepsEveryBit) {
+  for (const auto type : {at::kFloat, at::kDouble, at::kHalf}) {
+    const at::Tensor tensor = at::randn({3, 4}).to(type).t();
+    EXPECT_TRUE(to_tensor(to_record(tensor)).equal(tensor)) << type;
+    EXPECT_EQ(to_tensor(to_record(tensor)).scalar_type(), type);
+  }
+  for (const auto type : {at::kLong, at::kInt, at::kShort, at::kChar, at::kByte, at::kBool}) {
+    EXPECT_TRUE(to_tensor(to_record(at::arange(5).to(type))).equal(at::arange(5).to(type))) << type;
+  }
+  EXPECT_EQ(to_tensor(to_record(at::zeros({0, 3}))).size(1), 3);
+  EXPECT_EQ(to_tensor(to_record(at::full({}, 2.5))).item<double>(), 2.5);
+  EXPECT_THROW(to_record(at::zeros({2}, at::kBFloat16)), InvalidArgument);
+  EXPECT_THROW(to_tensor({io::NumberType::kUint16, {1}, "ab"}), FormatError);
+}
+
+TEST(Checkpoint, ComesBackWhole) {
+  const TemporaryDirectory folder;
+  Checkpoint written;
+  written.step = 12;
+  written.validated = 10;
+  written.skipped = 3;
+  written.skipped_in_row = 1;
+  written.seconds = 4.25;
+  written.best = -0.1;
+  written.best_step = 5;
+  written.scenes = 77;
+  written.options.frozen = {"a.b", "c"};
+  written.options.schedule.learning_rate = 0.1 + 0.2;
+  written.tensors = {{"network/x", at::randn({3})},
+                     {"first_moment/x", at::randn({3}, at::kDouble)}};
+  write_checkpoint(folder / "c.arbox", written);
+  const Checkpoint read = read_checkpoint(folder / "c.arbox");
+  EXPECT_EQ(read.step, 12);
+  EXPECT_EQ(read.validated, 10);
+  EXPECT_EQ(read.skipped, 3);
+  EXPECT_EQ(read.skipped_in_row, 1);
+  EXPECT_EQ(read.seconds, 4.25);
+  EXPECT_EQ(read.best, -0.1);
+  EXPECT_EQ(read.best_step, 5);
+  EXPECT_EQ(read.scenes, 77);
+  EXPECT_NO_THROW(require_resumable(written.options, read.options));
+  for (const auto& [name, tensor] : written.tensors)
+    EXPECT_TRUE(read.tensors.at(name).equal(tensor));
+}
+
+TEST(Checkpoint, DamageIsNamed) {
+  const TemporaryDirectory folder;
+  write_checkpoint(folder / "c.arbox", {.tensors = {{"network/x", at::randn({300})}}});
+  const std::string whole = slurp(folder / "c.arbox");
+  for (const std::size_t length : {std::size_t{0}, whole.size() / 2, whole.size() - 1}) {
+    folder.write("cut.arbox", whole.substr(0, length));
+    expect_message<FormatError>([&] { read_checkpoint(folder / "cut.arbox"); }, "cut.arbox");
+  }
+  expect_message<IoError>([&] { read_checkpoint(folder / "none.arbox"); }, "none.arbox");
+  save_weights(*block(), folder / "weights.arbox");
+  expect_message<FormatError>([&] { read_checkpoint(folder / "weights.arbox"); },
+                              "expected the checkpoint of a training run");
+}
+
+TEST(DurableFile, ReplacesAndCleansUp) {
+  const TemporaryDirectory folder;
+  const std::filesystem::path file = folder / "state";
+  write_durably(file, "one");
+  write_durably(file, "two");
+  EXPECT_EQ(slurp(file), "two");
+  folder.write("state.unfinished-123", "half");
+  remove_unfinished(file);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+  EXPECT_THROW(write_durably(folder / "no" / "state", "x"), IoError);
+}
+
+TEST(WeightsFile, HoldsHalfPrecisionWeightsThatAnotherNetworkTakes) {
+  const TemporaryDirectory folder;
+  const auto from = block(), to = block();
+  save_weights(*from, folder / "w.arbox");
+  load_weights(*to, folder / "w.arbox");
+  const NamedTensors expected = network_tensors(*from);
+  for (const auto& [name, tensor] : network_tensors(*to)) {
+    EXPECT_TRUE(tensor.allclose(expected.at(name), 1e-3, 1e-3)) << name;
+  }
+  // As a part of another network, with the rest left alone.
+  const at::Tensor before = to->named_parameters()["conv2.kernel"].clone();
+  save_weights(*block(), folder / "w.arbox");
+  load_weights(*to, folder / "w.arbox", {"conv2"});
+  EXPECT_TRUE(to->named_parameters()["conv2.kernel"].equal(before));
+}
+
+TEST(WeightsFile, WhatDoesNotFitIsListedAndNothingChanges) {
+  const TemporaryDirectory folder;
+  const auto from = block();
+  const auto to = std::make_shared<sparse::ResidualBlock>(6, 6, 1);
+  save_weights(*from, folder / "w.arbox");
+  const at::Tensor before = to->named_parameters()["conv2.kernel"].clone();
+  expect_message<FormatError>([&] { load_weights(*to, folder / "w.arbox"); },
+                              "conv1.kernel: expected Float [27, 6, 6], got Float [27, 4, 6]");
+  expect_message<FormatError>([&] { load_weights(*to, folder / "w.arbox"); },
+                              "unknown downsample.0.kernel");
+  EXPECT_TRUE(to->named_parameters()["conv2.kernel"].equal(before));
+  at::Tensor(from->named_parameters()["conv1.kernel"]).detach().fill_(1e6);
+  expect_message<NumericalError>([&] { save_weights(*from, folder / "w.arbox"); }, "conv1.kernel");
+}
+
+TEST(NetworkState, FrozenPartsStandStill) {
+  const auto network = block();
+  set_training(*network, {"conv1", "norm1.bn"});
+  EXPECT_TRUE(network->is_training());
+  EXPECT_FALSE(network->named_modules()["norm1.bn"]->is_training());
+  EXPECT_TRUE(network->named_modules()["norm2.bn"]->is_training());
+  for (const auto& [name, ignored] : trained_parameters(*network)) {
+    EXPECT_FALSE(name.starts_with("conv1") || name.starts_with("norm1")) << name;
+  }
+  expect_message<ConfigError>([&] { set_training(*network, {"conv11"}); }, "nearest is 'conv1'");
+  EXPECT_TRUE(in_part("a.b.c", "a.b"));
+  EXPECT_FALSE(in_part("a.bc", "a.b"));
+}
+
+}  // namespace

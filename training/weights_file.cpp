@@ -1,0 +1,69 @@
+#include "arbox/training/weights_file.h"
+
+#include <algorithm>
+
+#include "arbox/base/error.h"
+#include "arbox/io/model_archive.h"
+#include "arbox/training/durable_file.h"
+#include "arbox/training/network_state.h"
+#include "arbox/training/tensor_record.h"
+
+namespace arbox::training {
+namespace {
+
+constexpr const char* kWeightsKind = "training_weights";
+/// Where a checkpoint keeps what a model keeps under its plain name.
+constexpr const char* kNetwork = "network/";
+
+at::Tensor rounded(const std::string& name, const at::Tensor& tensor) {
+  if (!tensor.is_floating_point()) return tensor;
+  at::Tensor half = tensor.detach().to(at::kHalf);
+  if (!half.isfinite().all().item<bool>()) {
+    throw NumericalError("save_weights: " + name + " has numbers that float16 cannot hold");
+  }
+  return half;
+}
+
+NamedTensors tensors_in(const io::ModelArchive& archive) {
+  NamedTensors tensors;
+  for (const auto& [name, record] : archive.records) {
+    if (name.starts_with(kNetwork)) {
+      tensors[name.substr(std::string(kNetwork).size())] = to_tensor(record);
+    } else if (name.find('/') == std::string::npos) {
+      tensors[name] = to_tensor(record);
+    }
+  }
+  return tensors;
+}
+
+}  // namespace
+
+void save_weights(torch::nn::Module& network, const std::filesystem::path& path) {
+  io::ModelArchive archive;
+  archive.kind = kWeightsKind;
+  for (const auto& [name, tensor] : network_tensors(network)) {
+    archive.records[name] = to_record(rounded(name, tensor));
+  }
+  write_durably(path, io::encode_model_archive(archive, true));
+}
+
+void load_weights(torch::nn::Module& network, const std::filesystem::path& path,
+                  const std::vector<std::string>& except) {
+  NamedTensors to = network_tensors(network);
+  NamedTensors from = tensors_in(io::read_model_archive(path));
+  const auto excepted = [&](const auto& entry) {
+    return std::any_of(except.begin(), except.end(),
+                       [&](const std::string& part) { return in_part(entry.first, part); });
+  };
+  std::erase_if(to, excepted);
+  std::erase_if(from, excepted);
+  for (auto& [name, tensor] : from) {
+    const auto target = to.find(name);
+    if (target != to.end() && tensor.is_floating_point()) {
+      tensor = tensor.to(target->second.scalar_type());
+    }
+  }
+  copy_tensors(to, from, path.string());
+}
+
+}  // namespace arbox::training

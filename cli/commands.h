@@ -14,6 +14,7 @@ void add_config(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_import(CLI::App& app);
 void add_info(CLI::App& app);
+void add_init(CLI::App& app);
 void add_nms(CLI::App& app);
 void add_overlap(CLI::App& app);
 void add_detect(CLI::App& app);
@@ -23,6 +24,9 @@ void add_plugins(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_train(CLI::App& app);
 void add_view(CLI::App& app);
+
+/// Adds `boxes` to the command `evaluate`.
+void add_evaluate_boxes(CLI::App& evaluate);
 
 /// Adds `kitti` to the command `info`.
 void add_info_kitti(CLI::App& info);

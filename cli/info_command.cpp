@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -9,6 +10,7 @@
 
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/commands.h"
+#include "arbox/cli/dataset_command.h"
 #include "arbox/cli/model_info.h"
 #include "arbox/cli/option_flags.h"
 #include "arbox/cli/standard_input.h"
@@ -22,6 +24,8 @@ struct InfoFlags {
   std::string path;
   // The file's own numbers are told.
   io::ReadOptions read{.scale_intensity = false};
+  io::DatasetOptions dataset;
+  std::vector<std::string> splits;
   bool json = false;
 };
 
@@ -108,7 +112,12 @@ void print_table(const std::string& path, const io::PointCloudFile& file) {
 }
 
 void info(const InfoFlags& flags) {
-  if (flags.path.empty()) throw UsageError("info: expected a file or a subcommand");
+  if (flags.path.empty()) throw UsageError("info: expected a file, a folder or a subcommand");
+  std::error_code ignored;
+  if (std::filesystem::is_directory(flags.path, ignored)) {
+    info_dataset({flags.path, flags.dataset, flags.splits, flags.json});
+    return;
+  }
   if (is_model_file(flags.path)) {
     print_model(flags.path, flags.json);
     return;
@@ -126,18 +135,22 @@ void info(const InfoFlags& flags) {
 void add_info(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "info",
-      "What a point-cloud file holds (format, points, channels with ranges, bounds), or a model "
-      "(classes, parameters, configuration, what its confidence boxes are calibrated on)");
+      "What a point-cloud file, a model or a dataset holds, and what is wrong with a dataset's "
+      "labels");
   const auto flags = std::make_shared<InfoFlags>();
-  command->add_option("file", flags->path, "Point cloud (- for standard input) or model")
-      ->type_name("FILE");
+  command
+      ->add_option("file", flags->path,
+                   "Point cloud (- for standard input), model or folder of a dataset")
+      ->type_name("FILE|DATASET");
   add_option_flags(*command, bind_options(flags->read), {"keep_non_finite", "scale_intensity"});
+  add_dataset_flags(*command, flags->dataset, flags->splits);
   add_json_flag(*command, flags->json);
   add_examples(*command,
                {{"arbox info scan.pcd", "Its format, points, channels and bounds"},
                 {"arbox info nuscenes.pcd.bin --channels 5 --json", "A .bin of five columns"},
                 {"arbox info rooms.npz --array pc", "One array of an archive"},
                 {"arbox info car.arbox", "A model: classes, configuration, calibration"},
+                {"arbox info my_data", "A dataset: classes, sizes, and mistakes in its labels"},
                 {"arbox info kitti ROOT", "A KITTI folder: counts, missing and broken files"}});
   add_info_kitti(*command);
   command->callback([command, flags] {

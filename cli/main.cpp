@@ -10,6 +10,7 @@ void add_commands(CLI::App& app) {
   add_detect(app);
   add_import(app);
   add_info(app);
+  add_init(app);
   add_nms(app);
   add_overlap(app);
   add_quantile_box(app);

@@ -1,11 +1,13 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 
 #include "arbox/base/options.h"
 #include "arbox/cli/box_file.h"
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/commands.h"
+#include "arbox/cli/dataset_command.h"
 #include "arbox/cli/option_flags.h"
 #include "arbox/cli/picture_output.h"
 #include "arbox/cli/standard_input.h"
@@ -18,12 +20,56 @@ namespace {
 
 struct ViewFlags {
   std::string cloud, boxes, labels, calibration, image, output;
+  std::string dataset, scene_name;
+  io::DatasetOptions dataset_options;
+  bool color_given = false;
   io::ReadOptions read;
   drawing::SceneOptions scene;
 };
 
+/// Axes of `room` to those of `camera`.
+Eigen::Matrix3d camera_from_room() {
+  Eigen::Matrix3d turn;
+  turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  return turn;
+}
+
+/// The colours of a depth camera, or its depths in grey, with each object's amodal mask as a tint
+/// and its visible one stronger.
+drawing::Image masked_picture(const io::RgbdImages& images) {
+  drawing::Image picture(images.width, images.height, {});
+  const float farthest = *std::max_element(images.depth.begin(), images.depth.end());
+  float nearest = farthest;
+  for (const float depth : images.depth) nearest = depth > 0 ? std::min(nearest, depth) : nearest;
+  for (std::size_t i = 0; i < images.depth.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float share = (farthest - images.depth[i]) / std::max(farthest - nearest, 1e-6F);
+      const auto grey = static_cast<std::uint8_t>(images.depth[i] > 0 ? 60 + 180 * share : 0);
+      picture.pixels[3 * i + c] = images.rgb.empty() ? grey : images.rgb[3 * i + c];
+    }
+  }
+  for (std::size_t n = 0; n < images.amodal_masks.size(); ++n) {
+    const drawing::Color tint = drawing::palette_color(static_cast<int>(n));
+    for (std::size_t i = 0; i < images.depth.size(); ++i) {
+      const double strength =
+          images.visible_masks[n][i] != 0 ? 0.45 : (images.amodal_masks[n][i] != 0 ? 0.2 : 0.0);
+      if (strength == 0.0) continue;
+      std::uint8_t* pixel = picture.pixels.data() + 3 * i;
+      const drawing::Color mixed = drawing::mix({pixel[0], pixel[1], pixel[2]}, tint, strength);
+      pixel[0] = mixed.r, pixel[1] = mixed.g, pixel[2] = mixed.b;
+    }
+  }
+  return picture;
+}
+
 void check(const ViewFlags& flags) {
   require_picture("--output", flags.output);
+  if (flags.cloud.empty() == flags.dataset.empty()) {
+    throw UsageError("view: expected either --cloud FILE or --dataset DIR");
+  }
+  if (!flags.dataset.empty() && !(flags.labels.empty() && flags.image.empty())) {
+    throw UsageError("--dataset brings its own labels and photos: leave out --labels and --image");
+  }
   if (flags.cloud == "-" && flags.boxes == "-") {
     throw UsageError("only one of --cloud and --boxes can come from standard input");
   }
@@ -39,8 +85,53 @@ drawing::Photo read_photo(const std::string& path, const io::KittiCalibration& c
   return photo;
 }
 
+std::vector<geometry::Detection> to_truth(const std::vector<io::LabeledObject>& objects) {
+  std::vector<geometry::Detection> truth;
+  for (const io::LabeledObject& object : objects) {
+    geometry::Detection& one = truth.emplace_back();
+    one.label = object.label;
+    one.score = 1.0;
+    one.box = object.box;
+  }
+  return truth;
+}
+
+void view_dataset(const ViewFlags& flags) {
+  const auto dataset = io::open_dataset(flags.dataset, flags.dataset_options);
+  const io::LabeledScene loaded = find_scene(*dataset, flags.scene_name);
+  const io::LabeledScene shown = loaded.frame == io::SceneFrame::kCamera
+                                     ? io::converted(loaded, io::SceneFrame::kRoom)
+                                     : loaded;
+  drawing::Scene scene;
+  scene.cloud = shown.cloud.view();
+  scene.truth = to_truth(shown.objects);
+  if (!flags.boxes.empty()) {
+    scene.predictions = read_boxes(flags.boxes, KittiText::kResults, shown.name, shown.calibration);
+  }
+  drawing::SceneOptions options = flags.scene;
+  if (!flags.color_given && scene.cloud.find("r") != nullptr) {
+    options.color = drawing::PointColor::kRgb;
+  }
+  if (shown.photo) {
+    scene.photo = {drawing::read_image(shown.photo->path), shown.photo->projection};
+  }
+  if (loaded.images) {
+    scene.photo = drawing::Photo{masked_picture(*loaded.images), {}};
+    scene.photo->projection.setZero();
+    scene.photo->projection.leftCols<3>() = loaded.images->intrinsic * camera_from_room();
+  }
+  const drawing::Image image = drawing::draw_scene(scene, options);
+  drawing::write_image(image, flags.output);
+  spdlog::info("{}: scene {}, {} points, {} labels", flags.output, shown.name, shown.cloud.size(),
+               scene.truth.size());
+}
+
 void view(const ViewFlags& flags) {
   check(flags);
+  if (!flags.dataset.empty()) {
+    view_dataset(flags);
+    return;
+  }
   const io::PointCloudFile cloud = read_point_cloud_input(flags.cloud, flags.read);
   std::optional<io::KittiCalibration> calibration;
   if (!flags.calibration.empty()) {
@@ -72,8 +163,11 @@ void add_view(CLI::App& app) {
   command
       ->add_option("--cloud", flags->cloud,
                    "Point cloud: .pcd .ply .bin .npy .npz or text; - for standard input")
-      ->type_name("FILE")
-      ->required();
+      ->type_name("FILE");
+  command->add_option("--dataset", flags->dataset, "Folder of a dataset, in place of --cloud")
+      ->type_name("DIR");
+  command->add_option("--scene", flags->scene_name, "Scene of the dataset (default: its first one)")
+      ->type_name("NAME");
   command->add_option("--output", flags->output, "Picture to write: .png, .jpg or .jpeg")
       ->type_name("FILE")
       ->required();
@@ -95,6 +189,7 @@ void add_view(CLI::App& app) {
       ->type_name("FILE");
   add_option_flags(*command, bind_options(flags->scene));
   add_option_flags(*command, bind_options(flags->read), {"keep_non_finite", "scale_intensity"});
+  add_option_flags(*command, bind_options(flags->dataset_options));
   add_examples(
       *command,
       {{"arbox view --cloud 000008.bin --output 000008.png", "The scan alone"},
@@ -105,9 +200,14 @@ void add_view(CLI::App& app) {
        {"arbox view --cloud velodyne/000008.bin --labels label_2/000008.txt "
         "--calib calib/000008.txt --image image_2/000008.png --output a.png",
         "A KITTI frame with its labels, also over the photo"},
+       {"arbox view --dataset sunrgbd_trainval --scene 000001 --output a.png",
+        "A scene of a dataset with its labels and photo"},
        {"arbox view --cloud room.ply --color rgb --view perspective --elevation 50 --output a.png",
         "A room in its own colours, from further above"}});
-  command->callback([flags] { view(*flags); });
+  command->callback([command, flags] {
+    flags->color_given = command->count("--color") > 0;
+    view(*flags);
+  });
 }
 
 }  // namespace arbox::cli

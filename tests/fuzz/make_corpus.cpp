@@ -11,6 +11,7 @@
 
 #include "arbox/base/error.h"
 #include "arbox/io/file.h"
+#include "arbox/io/internal/mat_file.h"
 #include "arbox/io/internal/zip_archive.h"
 #include "arbox/io/model_archive.h"
 #include "arbox/io/npy.h"
@@ -221,6 +222,60 @@ void make_pickles(const fs::path& root) {
             false, "make_corpus"));
 }
 
+void make_labels(const fs::path& root) {
+  write(root, "label_file", "two.txt", "# made\n1 2 3 4 2 1.5 0.3 Car\n-1 0 0 1 1 1 7 dog\n");
+  write(root, "label_file", "two.json",
+        R"({"frame": "room", "objects": [{"class": "Car", "heading": "half", "box": )"
+        R"({"center": [1, 2, 3], "size": [4, 2, 1], "yaw": 0.3}, "attributes": {"id": 7}}, )"
+        R"({"box": {"center": [0, 0, 0], "size": [1, 1, 1], "rotation": [0.5, 0.5, 0.5, 0.5]}}]})");
+  write(root, "dataset_description", "dataset.json",
+        R"({"format": "arbox dataset", "version": 1, "frame": "lidar", "classes": ["a"], )"
+        R"("class_map": {"b": "a", "c": null}, "columns": ["x", "y", "z"]})");
+  write(root, "dataset_description", "camera.json",
+        R"({"projection": [[5, 0, 3, 0], [0, 5, 2, 0], [0, 0, 1, 0]], "image_size": [640, 480]})");
+  write(
+      root, "annotation_tools", "centroid.json",
+      R"({"filename": "a.pcd", "objects": [{"name": "cart", "centroid": {"x": 1, "y": 2, "z": 3}, )"
+      R"("dimensions": {"length": 4, "width": 2, "height": 1}, )"
+      R"("rotations": {"x": 0, "y": 0, "z": 270}}]})");
+  write(root, "annotation_tools", "vertices.json",
+        R"({"objects": [{"name": "a", "vertices": [[0,0,0],[0,1,0],[1,1,0],[1,0,0],)"
+        R"([0,0,1],[0,1,1],[1,1,1],[1,0,1]]}]})");
+  write(root, "annotation_tools", "untransformed.txt", "cart 0 0 0 0 0 0 0 1 2 4 1 2 3 0.5\n");
+  write(root, "annotation_tools", "tracklets.xml",
+        "<?xml version=\"1.0\"?>\n<boost_serialization><tracklets><count>1</count><item>"
+        "<objectType>car</objectType><h>1.8</h><w>4.2</w><l>1.5</l><first_frame>1</first_frame>"
+        "<poses><item><tx>1</tx><ty>2</ty><tz>0</tz><rx>0</rx><ry>0</ry><rz>0.3</rz>"
+        "<truncation>0</truncation></item></poses></item></tracklets></boost_serialization>\n");
+}
+
+void make_rooms(const fs::path& root) {
+  write(root, "scannet", "segments", R"(0{"params":{"a":[1,[2]]},"segIndices":[1,1,2,700]})");
+  write(root, "scannet", "aggregation",
+        R"(1{"segGroups":[{"objectId":0,"label":"office chair","segments":[1,2]}]})");
+  write(root, "scannet", "alignment",
+        "2axisAlignment = 0 -1 0 1 1 0 0 2 0 0 1 3 0 0 0 1 \nx = y\n");
+  write(root, "scannet", "label_map", "3id\traw_category\tnyu40id\n1\tchair\t5\n2\tx\t\n");
+  write(root, "sunrgbd", "label.txt", "bed 1 2 3 4 1 2 3 0.5 1 0.25 0.6 -0.8\n");
+  write(root, "sunrgbd", "calib.txt", "1 0 0 0 1 0 0 0 1\n529.5 0 0 0 529.5 0 365 265 1\n");
+  const fs::path file = root / "sunrgbd_toolbox" / "instance.mat";
+  fs::create_directories(file.parent_path());
+  arbox::io::internal::write_mat_matrix(file, "instance", {2, 3, {1, 2, 3, 4, 5, 6}});
+  write(root, "mmdet3d", "old.pkl",
+        "(lp0\n(dp1\nVpoint_cloud\n(dp2\nVlidar_idx\nI1\nssVannos\n(dp3\nVgt_num\nI0\nssa.");
+  write(root, "mmdet3d", "new.pkl",
+        "(dp0\nVmetainfo\n(dp1\nVcategories\n(dp2\nVbed\nI0\nsssVdata_list\n(lp3\n(dp4\n"
+        "Vlidar_points\n(dp5\nVlidar_path\nV1.bin\nssVinstances\n(lp6\n(dp7\nVbbox_3d\n(lp8\n"
+        "F1\naF2\naF3\naF1\naF1\naF1\nasVbbox_label_3d\nI0\nsasas.");
+  const std::vector<float> depth{1, 2, 0, 4};
+  const std::vector<double> intrinsic{5, 0, 1, 0, 5, 1, 0, 0, 1};
+  const std::string object = "{'descr': '|O', 'fortran_order': False, 'shape': ()}\n";
+  write(root, "cob3d_v2", "scene.npz",
+        arbox::io::encode_npz({{"depth_map", arbox::io::encode_npy<float>(depth, {2, 2})},
+                               {"intrinsic", arbox::io::encode_npy<double>(intrinsic, {3, 3})},
+                               {"segm", with_header(object, 1, "(lp0\n(dp1\na.")}}));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -235,6 +290,8 @@ int main(int argc, char** argv) {
     make_kitti(argv[1]);
     make_evaluation(argv[1]);
     make_point_clouds(argv[1]);
+    make_labels(argv[1]);
+    make_rooms(argv[1]);
     make_models(argv[1]);
     make_pickles(argv[1]);
   } catch (const arbox::Error& error) {

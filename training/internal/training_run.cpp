@@ -97,7 +97,12 @@ TrainResult TrainingRun::finish() {
 
 void TrainingRun::load_or_begin() {
   const std::filesystem::path file = checkpoint_file(job_.folder);
-  if (!job_.resume) require_new_run(job_.folder);
+  std::error_code error;
+  if (job_.resume) {
+    std::filesystem::create_directories(job_.folder, error);
+  } else {
+    require_new_run(job_.folder);
+  }
   remove_unfinished(file);
   if (std::filesystem::exists(file)) {
     restore(read_checkpoint(file));

@@ -38,7 +38,7 @@ struct KittiSourceOptions {
   }
 };
 
-/// Scenes of a folder in KITTI's layout, read anew each time: 5 to 15 ms a scan.
+/// Scenes of a folder in KITTI's layout, read anew each time.
 class KittiSceneSource : public SceneSource {
  public:
   /// Throws IoError for folders that do not exist, InvalidArgument for an unknown split,

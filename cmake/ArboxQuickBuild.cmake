@@ -59,8 +59,11 @@ function(arbox_precompile target kind used)
   set_target_properties(${target} PROPERTIES PCH_WARN_INVALID OFF)
   target_precompile_headers(${target} REUSE_FROM arbox_headers_${kind})
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-    # GCC bug 105651 again: in precompiled headers it forgets that they are the system's.
-    target_compile_options(${target} PRIVATE -Wno-stringop-overflow -Wno-array-bounds)
+    # GCC bug 105651 again: in precompiled headers it forgets that they are the system's, and raises
+    # false alarms inside of std::string. The preset dev has these warnings.
+    target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-stringop-overflow
+      -Wno-stringop-overread -Wno-error=dangling-pointer -Wno-error=free-nonheap-object
+      -Wno-error=maybe-uninitialized -Wno-error=nonnull -Wno-error=use-after-free)
   endif()
 endfunction()
 

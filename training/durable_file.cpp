@@ -69,11 +69,10 @@ void write_durably(const std::filesystem::path& path, std::string_view content) 
   Descriptor(folder_of(path), O_RDONLY | O_DIRECTORY).sync();
 }
 
-void remove_unfinished(const std::filesystem::path& path) {
-  const std::string beginning = path.filename().string() + std::string(kUnfinished);
+void remove_unfinished(const std::filesystem::path& folder) {
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_of(path), error)) {
-    if (entry.path().filename().string().starts_with(beginning)) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (entry.path().filename().string().find(kUnfinished) != std::string::npos) {
       std::filesystem::remove(entry.path(), error);
     }
   }

@@ -105,7 +105,7 @@ TEST(DurableFile, ReplacesAndCleansUp) {
   write_durably(file, "two");
   EXPECT_EQ(slurp(file), "two");
   folder.write("state.unfinished-123", "half");
-  remove_unfinished(file);
+  remove_unfinished(folder.path());
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
   EXPECT_THROW(write_durably(folder / "no" / "state", "x"), IoError);
 }

@@ -103,7 +103,7 @@ void TrainingRun::load_or_begin() {
   } else {
     require_new_run(job_.folder);
   }
-  remove_unfinished(file);
+  remove_unfinished(job_.folder);
   if (std::filesystem::exists(file)) {
     restore(read_checkpoint(file));
   } else if (!options_.initial.empty()) {

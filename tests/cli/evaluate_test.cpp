@@ -114,9 +114,9 @@ TEST(EvaluateKitti, BadFilesAreNamed) {
   expect_one_line_error(folders.run({}), 1, {"100007.txt:1"});
   std::filesystem::remove(folders.root / "labels/100005.txt");
   expect_one_line_error(folders.run({}), 1, {"100005.txt", "no such label file"});
-  expect_one_line_error(
-      run_arbox({"evaluate", "kitti", "--labels", "no_such_folder", "--predictions", "."}), 1,
-      {"no_such_folder"});
+  expect_one_line_error(run_arbox({"evaluate", "kitti", "--labels", "no_such_folder",
+                                   "--predictions", folders.root / "results"}),
+                        1, {"no_such_folder"});
 }
 
 constexpr char kTruth[] =

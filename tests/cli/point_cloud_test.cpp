@@ -47,7 +47,7 @@ TEST(Info, ReadsStandardInput) {
 TEST(Info, RefusesInOneLine) {
   const TemporaryDirectory folder;
   expect_one_line_error(run_arbox({"info", folder / "none.pcd"}), 1, {"none.pcd", "no such file"});
-  expect_one_line_error(run_arbox({"info", folder.path()}), 1, {"a directory"});
+  expect_one_line_error(run_arbox({"info", folder.path()}), 1, {"looks like no dataset"});
   expect_one_line_error(run_arbox({"info", folder.write("a.pcd", "")}), 1, {"a.pcd", "empty file"});
   expect_one_line_error(run_arbox({"info", folder.write("b.bin", std::string(60, '\0'))}), 1,
                         {"b.bin", "3 or 5 float32"});

@@ -35,6 +35,8 @@ Child::Child(const std::vector<std::string>& arguments,
   }
   process_ = ::fork();
   if (process_ == 0) {
+    // SIGTSTP stops nothing in an orphaned process group, which a test's may be.
+    ::setpgid(0, 0);
     ::dup2(ends[1], STDOUT_FILENO);
     ::dup2(ends[1], STDERR_FILENO);
     for (const auto& [name, value] : environment) ::setenv(name.c_str(), value.c_str(), 1);

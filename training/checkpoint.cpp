@@ -4,9 +4,9 @@
 
 #include "arbox/base/error.h"
 #include "arbox/base/options.h"
+#include "arbox/detectors/model_file.h"
 #include "arbox/io/model_archive.h"
 #include "arbox/training/durable_file.h"
-#include "arbox/training/tensor_record.h"
 
 namespace arbox::training {
 namespace {
@@ -48,7 +48,8 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
   archive.kind = kCheckpointKind;
   archive.configuration = options_yaml(checkpoint.options);
   archive.texts[kState] = state_text(checkpoint);
-  for (const auto& [name, tensor] : checkpoint.tensors) archive.records[name] = to_record(tensor);
+  for (const auto& [name, tensor] : checkpoint.tensors)
+    archive.records[name] = detectors::to_record(tensor);
   write_durably(path, io::encode_model_archive(archive));
 }
 
@@ -68,7 +69,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& path) {
   } catch (const nlohmann::json::exception& error) {
     throw FormatError(path.string() + ": " + kState + ": " + error.what());
   }
-  for (const auto& [name, record] : archive.records) checkpoint.tensors[name] = to_tensor(record);
+  for (const auto& [name, record] : archive.records)
+    checkpoint.tensors[name] = detectors::to_tensor(record, name);
   return checkpoint;
 }
 

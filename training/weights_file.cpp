@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "arbox/base/error.h"
+#include "arbox/detectors/model_file.h"
 #include "arbox/io/model_archive.h"
 #include "arbox/training/durable_file.h"
 #include "arbox/training/network_state.h"
-#include "arbox/training/tensor_record.h"
 
 namespace arbox::training {
 namespace {
@@ -28,9 +28,9 @@ NamedTensors tensors_in(const io::ModelArchive& archive) {
   NamedTensors tensors;
   for (const auto& [name, record] : archive.records) {
     if (name.starts_with(kNetwork)) {
-      tensors[name.substr(std::string(kNetwork).size())] = to_tensor(record);
+      tensors[name.substr(std::string(kNetwork).size())] = detectors::to_tensor(record, name);
     } else if (name.find('/') == std::string::npos) {
-      tensors[name] = to_tensor(record);
+      tensors[name] = detectors::to_tensor(record, name);
     }
   }
   return tensors;
@@ -42,7 +42,7 @@ void save_weights(torch::nn::Module& network, const std::filesystem::path& path)
   io::ModelArchive archive;
   archive.kind = kWeightsKind;
   for (const auto& [name, tensor] : network_tensors(network)) {
-    archive.records[name] = to_record(rounded(name, tensor));
+    archive.records[name] = detectors::to_record(rounded(name, tensor));
   }
   write_durably(path, io::encode_model_archive(archive, true));
 }

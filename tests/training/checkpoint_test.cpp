@@ -11,10 +11,10 @@
 #include <memory>
 
 #include "arbox/base/error.h"
+#include "arbox/detectors/model_file.h"
 #include "arbox/sparse/layers.h"
 #include "arbox/training/durable_file.h"
 #include "arbox/training/network_state.h"
-#include "arbox/training/tensor_record.h"
 #include "arbox/training/weights_file.h"
 #include "support/program.h"
 
@@ -42,16 +42,18 @@ std::shared_ptr<sparse::ResidualBlock> block() {
 TEST(TensorRecord, KeepsEveryBit) {
   for (const auto type : {at::kFloat, at::kDouble, at::kHalf}) {
     const at::Tensor tensor = at::randn({3, 4}).to(type).t();
-    EXPECT_TRUE(to_tensor(to_record(tensor)).equal(tensor)) << type;
-    EXPECT_EQ(to_tensor(to_record(tensor)).scalar_type(), type);
+    EXPECT_TRUE(detectors::to_tensor(detectors::to_record(tensor), "x").equal(tensor)) << type;
+    EXPECT_EQ(detectors::to_tensor(detectors::to_record(tensor), "x").scalar_type(), type);
   }
   for (const auto type : {at::kLong, at::kInt, at::kShort, at::kChar, at::kByte, at::kBool}) {
-    EXPECT_TRUE(to_tensor(to_record(at::arange(5).to(type))).equal(at::arange(5).to(type))) << type;
+    EXPECT_TRUE(detectors::to_tensor(detectors::to_record(at::arange(5).to(type)), "x")
+                    .equal(at::arange(5).to(type)))
+        << type;
   }
-  EXPECT_EQ(to_tensor(to_record(at::zeros({0, 3}))).size(1), 3);
-  EXPECT_EQ(to_tensor(to_record(at::full({}, 2.5))).item<double>(), 2.5);
-  EXPECT_THROW(to_record(at::zeros({2}, at::kBFloat16)), InvalidArgument);
-  EXPECT_THROW(to_tensor({io::NumberType::kUint16, {1}, "ab"}), FormatError);
+  EXPECT_EQ(detectors::to_tensor(detectors::to_record(at::zeros({0, 3})), "x").size(1), 3);
+  EXPECT_EQ(detectors::to_tensor(detectors::to_record(at::full({}, 2.5)), "x").item<double>(), 2.5);
+  EXPECT_THROW(detectors::to_record(at::zeros({2}, at::kBFloat16)), InvalidArgument);
+  EXPECT_THROW(detectors::to_tensor({io::NumberType::kUint16, {1}, "ab"}, "x"), FormatError);
 }
 
 TEST(Checkpoint, ComesBackWhole) {

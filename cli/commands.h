@@ -24,6 +24,7 @@ void add_plugins(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_train(CLI::App& app);
 void add_view(CLI::App& app);
+void add_watch(CLI::App& app);
 
 /// Adds `boxes` to the command `evaluate`.
 void add_evaluate_boxes(CLI::App& evaluate);

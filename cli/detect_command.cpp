@@ -1,31 +1,26 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <iostream>
 #include <memory>
 
-#include "arbox/base/plugin_loader.h"
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/commands.h"
 #include "arbox/cli/detection_output.h"
-#include "arbox/cli/program_registry.h"
+#include "arbox/cli/detector_flags.h"
+#include "arbox/cli/frame_stream.h"
 #include "arbox/cli/progress.h"
 #include "arbox/cli/standard_input.h"
-#include "arbox/detectors/detector_kind.h"
 #include "arbox/io/point_cloud_file.h"
 
 namespace arbox::cli {
 namespace {
 
-struct DetectFlags {
+struct DetectFlags : DetectorFlags {
   std::vector<std::string> inputs;
-  std::string detector = "cluster_fit";
-  std::string config;
-  std::vector<std::string> overrides;
-  detectors::DetectionRequest request{.score = 0.3};
-  io::ReadOptions read;
+  bool frames = false;
   OutputOptions output;
 };
 
@@ -41,32 +36,6 @@ class Failures {
  private:
   std::size_t count_ = 0;
 };
-
-std::unique_ptr<detectors::Detector> make_detector(const DetectFlags& flags) {
-  using Kind = detectors::DetectorKind;
-  Registry& registry = program_registry();
-  try {
-    require_plugin(Kind::kName, flags.detector, registry);
-  } catch (const PluginError& error) {
-    const auto found = find_plugins();
-    const std::string file = "libarbox_detector_" + flags.detector + ".so";
-    if (std::any_of(found.begin(), found.end(),
-                    [&](const auto& path) { return path.filename() == file; })) {
-      throw;
-    }
-    throw UsageError(error.what());
-  }
-  const OptionsInstance options = registry.find(Kind::kName, flags.detector).options();
-  if (!flags.config.empty()) {
-    assign_yaml(options.fields, read_options_file(flags.config), flags.config);
-  }
-  try {
-    assign_overrides(options.fields, flags.overrides);
-  } catch (const ConfigError& error) {
-    throw UsageError(std::string("--set: ") + error.what());
-  }
-  return registry.create<Kind>(flags.detector, options);
-}
 
 /// The files of the inputs, folders opened.
 std::vector<std::string> list_scans(const std::vector<std::string>& inputs, Failures& failures) {
@@ -88,7 +57,24 @@ std::vector<std::string> list_scans(const std::vector<std::string>& inputs, Fail
   return scans;
 }
 
+void detect_frames(const DetectFlags& flags) {
+  if (!flags.inputs.empty()) {
+    throw UsageError("--stdin: the points come on standard input, got " + flags.inputs[0] + " too");
+  }
+  const auto detector = make_detector(flags);
+  const FrameCount count = answer_frames(std::cin, std::cout, *detector, flags.request, flags.read);
+  if (count.refused > 0) {
+    throw Error(std::to_string(count.refused) + " of " + std::to_string(count.frames) +
+                " frames refused");
+  }
+}
+
 void detect(const DetectFlags& flags) {
+  if (flags.frames) {
+    detect_frames(flags);
+    return;
+  }
+  if (flags.inputs.empty()) throw UsageError("input: expected at least one file or folder");
   const auto detector = make_detector(flags);
   Failures failures;
   const std::vector<std::string> scans = list_scans(flags.inputs, failures);
@@ -137,43 +123,8 @@ void add_detect(CLI::App& app) {
   command
       ->add_option("input", flags->inputs,
                    "Point-cloud files or folders of them; - reads standard input")
-      ->type_name("INPUT")
-      ->required();
-  command
-      ->add_option("--detector", flags->detector,
-                   "What finds them (default: cluster_fit; 'arbox plugins list' lists all)")
-      ->type_name("NAME");
-  command->add_option("--config", flags->config, "Options of the detector, a YAML file")
-      ->type_name("FILE");
-  command
-      ->add_option("--set", flags->overrides,
-                   "Options of the detector one by one (see 'arbox config show')")
-      ->type_name("KEY=VALUE");
-  const auto fraction = CLI::Validator(
-      [](std::string& text) {
-        double value = 0.0;
-        const bool number = CLI::detail::lexical_cast(text, value);
-        return number && value > 0.0 && value < 1.0
-                   ? std::string()
-                   : "expected a number between 0 and 1, got '" + text + "'";
-      },
-      "", "between 0 and 1");
-  command->add_option("--quantile", flags->request.quantiles, "Quantile boxes at these q in (0, 1)")
-      ->type_name("Q")
-      ->check(fraction);
-  command
-      ->add_option("--confidence", flags->request.confidences,
-                   "Boxes that contain the object with probability p")
-      ->type_name("P")
-      ->check(fraction);
-  command
-      ->add_option("--score", flags->request.score,
-                   "Leave out detections with a lower score (default: 0.3)")
-      ->type_name("S")
-      ->check(CLI::Range(0.0, 1.0).description(""));
-  command->add_option("--seed", flags->request.seed, "Seed of the box samples (default: 0)")
-      ->type_name("N");
-  command->add_flag("--samples", flags->request.samples, "Write the box samples too");
+      ->type_name("INPUT");
+  add_detector_flags(*command, *flags);
   command
       ->add_option("--output", flags->output.folder,
                    "Folder to write one file a scan into (default: standard output)")
@@ -191,16 +142,12 @@ void add_detect(CLI::App& app) {
       ->add_option("--view", flags->output.view,
                    "Draw the scan and its boxes (a folder if there are several scans)")
       ->type_name("PNG");
-  command
-      ->add_option("--channels", flags->read.channels,
-                   "Columns of files that do not name theirs: number, or names in order")
-      ->type_name("N|NAMES")
-      ->delimiter(',');
-  command
-      ->add_option("--input-format", flags->read.format,
-                   "pcd, ply, bin, npy, npz or text, whatever the files' names say")
-      ->type_name("FORMAT")
-      ->check(CLI::IsMember({"pcd", "ply", "bin", "npy", "npz", "text"}).description(""));
+  CLI::Option* frames = command->add_flag(
+      "--stdin", flags->frames,
+      "Answer frames of points on standard input with a line of JSON each (docs/formats.md)");
+  for (const char* other : {"--output", "--format", "--calib", "--view", "--input-format"}) {
+    frames->excludes(command->get_option(other));
+  }
   command->callback([flags] { detect(*flags); });
   add_examples(*command,
                {{"arbox detect scan.pcd", "JSON on standard output"},
@@ -208,7 +155,8 @@ void add_detect(CLI::App& app) {
                  "quantile boxes and a picture"},
                 {"arbox detect velodyne --format kitti --calib calib --score 0 --output results",
                  "result files that 'arbox evaluate kitti' reads"},
-                {"cat scan.bin | arbox detect - --input-format bin --format csv", "in a pipe"}});
+                {"cat scan.bin | arbox detect - --input-format bin --format csv", "in a pipe"},
+                {"lidar_driver | arbox detect --stdin", "scan after scan from another program"}});
 }
 
 }  // namespace arbox::cli

@@ -19,6 +19,7 @@ void add_commands(CLI::App& app) {
   add_simulate(app);
   add_train(app);
   add_view(app);
+  add_watch(app);
   add_examples(app, {{"arbox detect scan.pcd --view boxes.png", "Boxes as JSON, and a picture"},
                      {"arbox evaluate kitti --labels label_2 --predictions results",
                       "The numbers of the KITTI benchmark"},

@@ -1,0 +1,87 @@
+#include "arbox/cli/detector_flags.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "arbox/base/plugin_loader.h"
+#include "arbox/cli/command_line.h"
+#include "arbox/cli/program_registry.h"
+#include "arbox/detectors/detector_kind.h"
+
+namespace arbox::cli {
+
+std::unique_ptr<detectors::Detector> make_detector(const DetectorFlags& flags) {
+  using Kind = detectors::DetectorKind;
+  Registry& registry = program_registry();
+  try {
+    require_plugin(Kind::kName, flags.detector, registry);
+  } catch (const PluginError& error) {
+    const auto found = find_plugins();
+    const std::string file = "libarbox_detector_" + flags.detector + ".so";
+    if (std::any_of(found.begin(), found.end(),
+                    [&](const auto& path) { return path.filename() == file; })) {
+      throw;
+    }
+    throw UsageError(error.what());
+  }
+  const OptionsInstance options = registry.find(Kind::kName, flags.detector).options();
+  if (!flags.config.empty()) {
+    assign_yaml(options.fields, read_options_file(flags.config), flags.config);
+  }
+  try {
+    assign_overrides(options.fields, flags.overrides);
+  } catch (const ConfigError& error) {
+    throw UsageError(std::string("--set: ") + error.what());
+  }
+  return registry.create<Kind>(flags.detector, options);
+}
+
+void add_detector_flags(CLI::App& command, DetectorFlags& flags) {
+  command
+      .add_option("--detector", flags.detector,
+                  "What finds the objects (default: cluster_fit; 'arbox plugins list' lists all)")
+      ->type_name("NAME");
+  command.add_option("--config", flags.config, "Options of the detector, a YAML file")
+      ->type_name("FILE");
+  command
+      .add_option("--set", flags.overrides,
+                  "Options of the detector one by one (see 'arbox config show')")
+      ->type_name("KEY=VALUE");
+  const auto fraction = CLI::Validator(
+      [](std::string& text) {
+        double value = 0.0;
+        const bool number = CLI::detail::lexical_cast(text, value);
+        return number && value > 0.0 && value < 1.0
+                   ? std::string()
+                   : "expected a number between 0 and 1, got '" + text + "'";
+      },
+      "", "between 0 and 1");
+  command.add_option("--quantile", flags.request.quantiles, "Quantile boxes at these q in (0, 1)")
+      ->type_name("Q")
+      ->check(fraction);
+  command
+      .add_option("--confidence", flags.request.confidences,
+                  "Boxes that contain the object with probability p")
+      ->type_name("P")
+      ->check(fraction);
+  command
+      .add_option("--score", flags.request.score,
+                  "Leave out detections with a lower score (default: 0.3)")
+      ->type_name("S")
+      ->check(CLI::Range(0.0, 1.0).description(""));
+  command.add_option("--seed", flags.request.seed, "Seed of the box samples (default: 0)")
+      ->type_name("N");
+  command.add_flag("--samples", flags.request.samples, "Write the box samples too");
+  command
+      .add_option("--channels", flags.read.channels,
+                  "Columns of files that do not name theirs: number, or names in order")
+      ->type_name("N|NAMES")
+      ->delimiter(',');
+  command
+      .add_option("--input-format", flags.read.format,
+                  "pcd, ply, bin, npy, npz or text, whatever the files' names say")
+      ->type_name("FORMAT")
+      ->check(CLI::IsMember({"pcd", "ply", "bin", "npy", "npz", "text"}).description(""));
+}
+
+}  // namespace arbox::cli

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "arbox/detectors/detector.h"
+#include "arbox/io/point_cloud_file.h"
+
+namespace arbox::cli {
+
+/// What every command that detects lets its user choose: the detector, what it is asked for, and
+/// how clouds are read.
+struct DetectorFlags {
+  std::string detector = "cluster_fit";
+  std::string config;
+  std::vector<std::string> overrides;
+  detectors::DetectionRequest request{.score = 0.3};
+  io::ReadOptions read;
+};
+
+/// Adds --detector, --config, --set, --quantile, --confidence, --score, --seed, --samples,
+/// --channels and --input-format. `flags` must outlive the parsing.
+void add_detector_flags(CLI::App& command, DetectorFlags& flags);
+
+/// The detector that was chosen. Throws UsageError for a name that nobody knows and for --set,
+/// PluginError, ConfigError, IoError.
+std::unique_ptr<detectors::Detector> make_detector(const DetectorFlags& flags);
+
+}  // namespace arbox::cli

@@ -15,9 +15,9 @@ constexpr int kTrianglesOfABar = 12;
 constexpr double kHeadingReach = 0.25;
 
 // Corners in the order of geometry::corners, seen from outside counter-clockwise.
-constexpr int kTriangles[kTrianglesOfABar][3] = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5},
-                                                 {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
-                                                 {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
+constexpr std::uint32_t kTriangles[kTrianglesOfABar][3] = {
+    {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
+    {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
 
 Box bar(const Box& box, const Eigen::Vector3d& local_center, int axis, double length,
         double width) {
@@ -60,48 +60,51 @@ void append_header(std::string& text, std::size_t boxes) {
       "\nproperty list uchar int vertex_indices\nend_header\n";
 }
 
-void append_vertices(std::string& text, const Box& box, const std::string& color) {
-  for (const Eigen::Vector3d& corner : geometry::corners(box)) {
-    for (const double coordinate : corner) {
-      internal::append_fixed(text, coordinate, 6);
-      text += ' ';
-    }
-    text += color;
-  }
-}
-
-void append_faces(std::string& text, std::size_t first) {
-  for (const auto& triangle : kTriangles) {
-    text += '3';
-    for (const int corner : triangle) {
-      text.append(" ").append(std::to_string(first + static_cast<std::size_t>(corner)));
-    }
-    text += '\n';
-  }
-}
-
 }  // namespace
+
+TriangleMesh wireframe_mesh(const Box& box, double thickness) {
+  if (!(thickness > 0.0 && thickness < 1.0)) {
+    throw InvalidArgument("wireframe_mesh: expected a thickness in (0, 1), got " +
+                          std::to_string(thickness));
+  }
+  geometry::require_valid(box, "wireframe_mesh");
+  TriangleMesh mesh;
+  for (const Box& part : bars(box, thickness)) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const Eigen::Vector3d& corner : geometry::corners(part)) mesh.vertices.push_back(corner);
+    for (const auto& [a, b, c] : kTriangles) {
+      mesh.triangles.push_back({first + a, first + b, first + c});
+    }
+  }
+  return mesh;
+}
 
 std::string format_wireframes_ply(std::span<const geometry::Detection> detections,
                                   const std::function<RgbBytes(std::string_view)>& color_of_class,
                                   double thickness) {
-  if (!(thickness > 0.0 && thickness < 1.0)) {
-    throw InvalidArgument("format_wireframes_ply: expected a thickness in (0, 1), got " +
-                          std::to_string(thickness));
-  }
-  std::string text;
+  std::string text, faces;
   append_header(text, detections.size());
+  std::uint32_t first = 0;
   for (const auto& detection : detections) {
-    geometry::require_valid(detection.box, "format_wireframes_ply");
+    const TriangleMesh mesh = wireframe_mesh(detection.box, thickness);
     const auto [red, green, blue] = color_of_class(detection.label);
     const std::string color =
         std::to_string(red) + ' ' + std::to_string(green) + ' ' + std::to_string(blue) + '\n';
-    for (const Box& part : bars(detection.box, thickness)) append_vertices(text, part, color);
+    for (const Eigen::Vector3d& vertex : mesh.vertices) {
+      for (const double coordinate : vertex) {
+        internal::append_fixed(text, coordinate, 6);
+        text += ' ';
+      }
+      text += color;
+    }
+    for (const auto& triangle : mesh.triangles) {
+      faces += '3';
+      for (const std::uint32_t corner : triangle) faces += ' ' + std::to_string(first + corner);
+      faces += '\n';
+    }
+    first += static_cast<std::uint32_t>(mesh.vertices.size());
   }
-  for (std::size_t i = 0; i < detections.size() * kBarsOfABox; ++i) {
-    append_faces(text, i * kCornersOfABar);
-  }
-  return text;
+  return text + faces;
 }
 
 }  // namespace arbox::io

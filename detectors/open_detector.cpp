@@ -1,0 +1,94 @@
+#define BOOST_DLL_USE_STD_FS
+#include "arbox/detectors/open_detector.h"
+
+#include <boost/dll/shared_library.hpp>
+#include <filesystem>
+
+#include "arbox/base/error.h"
+#include "arbox/base/plugin_loader.h"
+#include "arbox/detectors/cluster_fit/cluster_fit.h"
+#include "arbox/detectors/detector_kind.h"
+#include "arbox/io/model_search.h"
+
+namespace arbox::detectors {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kNetworks = "libarbox_program_torch.so";
+using LoadModel = void(const std::string& file, const std::vector<std::string>& overrides,
+                       std::unique_ptr<Detector>& result);
+
+LoadModel& model_loader() {
+  // Beside the folder of the installation's plugins, which is the last to be searched.
+  const fs::path file = plugin_folders().back().parent_path() / kNetworks;
+  if (!fs::is_regular_file(file)) {
+    throw NotAvailable("this installation of Arbox has no networks: " + file.string() +
+                       " is missing, install the component 'program_torch'");
+  }
+  // Detectors use its code until the process ends: never closed.
+  static auto* const library = new boost::dll::shared_library(
+      file, boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
+  return library->get<LoadModel>("arbox_load_detector");
+}
+
+bool is_model_file(const std::string& name) {
+  return name.find('/') != std::string::npos || name.ends_with(".arbox");
+}
+
+/// Empty if there is no such detector.
+std::string unknown_detector(const std::string& name, Registry& registry) {
+  try {
+    require_plugin(DetectorKind::kName, name, registry);
+    return {};
+  } catch (const PluginError& error) {
+    const fs::path file = "libarbox_detector_" + name + ".so";
+    for (const fs::path& found : find_plugins()) {
+      if (found.filename() == file) throw;
+    }
+    return error.what();
+  }
+}
+
+std::unique_ptr<Detector> open_model(const fs::path& file,
+                                     const std::vector<std::string>& overrides) {
+  std::unique_ptr<Detector> detector;
+  model_loader()(file.string(), overrides, detector);
+  return detector;
+}
+
+}  // namespace
+
+Registry make_detector_registry() {
+  Registry registry;
+  registry.declare<DetectorKind>();
+  registry.add_built_in(register_cluster_fit);
+  return registry;
+}
+
+std::unique_ptr<Detector> open_detector(const std::string& name,
+                                        const std::vector<std::string>& overrides,
+                                        Registry& registry) {
+  if (is_model_file(name)) return open_model(io::find_model(name), overrides);
+  const std::string unknown = unknown_detector(name, registry);
+  if (unknown.empty()) {
+    const OptionsInstance options = registry.find(DetectorKind::kName, name).options();
+    assign_overrides(options.fields, overrides);
+    return registry.create<DetectorKind>(name, options);
+  }
+  fs::path file;
+  try {
+    file = io::find_model(name);
+  } catch (const IoError& error) {
+    throw InvalidArgument(unknown + "; " + error.what());
+  }
+  return open_model(file, overrides);
+}
+
+std::unique_ptr<Detector> open_detector(const std::string& name,
+                                        const std::vector<std::string>& overrides) {
+  Registry registry = make_detector_registry();
+  return open_detector(name, overrides, registry);
+}
+
+}  // namespace arbox::detectors

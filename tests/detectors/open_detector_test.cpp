@@ -1,0 +1,36 @@
+#include "arbox/detectors/open_detector.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/program.h"
+#include "support/refusal.h"
+
+namespace arbox::testing {
+namespace {
+
+using detectors::open_detector;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+TEST(OpenDetector, OpensBuiltInDetectorsWithChanges) {
+  EXPECT_TRUE(open_detector("cluster_fit")->detect({}).detections.empty());
+  EXPECT_NE(open_detector("cluster_fit", {"max_range=20", "ground.thickness=0.3"}), nullptr);
+  EXPECT_THAT(refusal<ConfigError>([] { open_detector("cluster_fit", {"max_rage=20"}); }),
+              HasSubstr("nearest is 'max_range'"));
+}
+
+TEST(OpenDetector, NamesWhatThereIs) {
+  const TemporaryDirectory models;
+  models.write("car.arbox", "no archive");
+  ::setenv("ARBOX_MODEL_PATH", models.path().c_str(), 1);
+  EXPECT_THAT(refusal([] { open_detector("cluster_fat"); }),
+              AllOf(HasSubstr("nearest is 'cluster_fit'"), HasSubstr("known: car")));
+  ::unsetenv("ARBOX_MODEL_PATH");
+  EXPECT_THAT(refusal([] { open_detector(""); }), HasSubstr("cluster_fit"));
+  EXPECT_THAT(refusal<IoError>([] { open_detector("missing.arbox"); }), HasSubstr("missing.arbox"));
+  EXPECT_THAT(refusal<IoError>([] { open_detector("some/where"); }), HasSubstr("some/where"));
+}
+
+}  // namespace
+}  // namespace arbox::testing

@@ -14,6 +14,7 @@ find_package(PCL 1.13 REQUIRED COMPONENTS common io kdtree search segmentation f
 find_package(PkgConfig REQUIRED)
 # The package's own CMake file asks for tools that Debian ships apart.
 pkg_check_modules(libzip REQUIRED IMPORTED_TARGET libzip)
+pkg_check_modules(jemalloc REQUIRED IMPORTED_TARGET jemalloc)
 pkg_check_modules(matio REQUIRED IMPORTED_TARGET matio)
 pkg_check_modules(libturbojpeg REQUIRED IMPORTED_TARGET libturbojpeg)
 if(ARBOX_BUILD_TESTS)

@@ -125,6 +125,7 @@ function(arbox_test room name)
     target_link_libraries(${target} PRIVATE arbox::${room})
   endif()
   arbox_precompile(${target} test "${ARG_LIBS};arbox::${room}")
+  arbox_bundle(${target})
   gtest_discover_tests(${target} TEST_PREFIX "${room}." DISCOVERY_MODE PRE_TEST
     PROPERTIES LABELS ${room} TIMEOUT ${ARG_TIMEOUT}
     ENVIRONMENT "ARBOX_PROGRAM=${CMAKE_BINARY_DIR}/bin/arbox")

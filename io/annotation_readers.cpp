@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 2> kLabelEndings = {".json", ".txt"};
+constexpr std::array<std::string_view, 2> kExportEndings = {".json", ".txt"};
 constexpr std::array<std::string_view, 1> kCalibEndings = {".txt"};
 
 std::map<std::string, fs::path> clouds_in(const Folder& folder) {
@@ -67,7 +67,7 @@ class LabelCloudReader : public CloudFolder {
 
   LabeledScene load(std::string_view split, std::string_view name) const override {
     LabeledScene scene = load_cloud(split, name);
-    const fs::path path = first_file(root() / "labels", name, kLabelEndings);
+    const fs::path path = first_file(root() / "labels", name, kExportEndings);
     scene.labelled = !path.empty();
     if (!scene.labelled) return scene;
     const std::string text = read_file(path);

@@ -19,7 +19,7 @@ struct Finding {
   std::string problem;
 };
 
-enum Kind { kScan, kLabel, kCalibration, kImage, kPlane };
+enum FileKind { kScan, kLabel, kCalibration, kImage, kPlane };
 
 struct FrameFindings {
   std::array<Finding, 5> files;

@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kTraining = "training";
-constexpr int kDecimals = 4;
+constexpr const char* kTrainingFolder = "training";
+constexpr int kKittiDecimals = 4;
 
 LabeledObject to_object(const KittiObject& object, const KittiCalibration& calibration) {
   return {.label = object.type,
@@ -43,7 +43,7 @@ class KittiReader : public DatasetReader {
   std::vector<std::string> splits() const override {
     auto names = dataset_.splits();
     // Last, so that it is the one with every labelled frame.
-    const auto training = std::find(names.begin(), names.end(), kTraining);
+    const auto training = std::find(names.begin(), names.end(), kTrainingFolder);
     if (training != names.end()) std::rotate(training, training + 1, names.end());
     return names;
   }
@@ -58,7 +58,7 @@ class KittiReader : public DatasetReader {
                        .source = dataset_.paths(split, name).scan,
                        .frame = SceneFrame::kLidar,
                        .cloud = std::move(frame.cloud)};
-    scene.labelled = KittiDataset::folder(split) == kTraining;
+    scene.labelled = KittiDataset::folder(split) == kTrainingFolder;
     for (const KittiObject& object : frame.labels) {
       if (has_box(object)) scene.objects.push_back(to_object(object, frame.calibration));
     }
@@ -122,7 +122,7 @@ class KittiWriter : public AccountingWriter {
   explicit KittiWriter(const Folder& folder)
       : AccountingWriter(folder, {.frame = SceneFrame::kLidar, .boxes = BoxForm::kUpright}) {
     for (const char* part : {"velodyne", "label_2", "calib"}) {
-      make_folder(root() / kTraining / part);
+      make_folder(root() / kTrainingFolder / part);
     }
     make_folder(root() / "ImageSets");
   }
@@ -136,16 +136,17 @@ class KittiWriter : public AccountingWriter {
     for (const LabeledObject& object : scene.objects) {
       labels.push_back(to_label(object, calibration, image, scene.calibration.has_value()));
     }
-    const Folder folder = root() / kTraining;
+    const Folder folder = root() / kTrainingFolder;
     write_point_cloud(folder / "velodyne" / (scene.name + ".bin"), scene.cloud.view());
-    write_file(folder / "label_2" / (scene.name + ".txt"), format_kitti_labels(labels, kDecimals));
+    write_file(folder / "label_2" / (scene.name + ".txt"),
+               format_kitti_labels(labels, kKittiDecimals));
     write_file(folder / "calib" / (scene.name + ".txt"), format_kitti_calibration(calibration));
     copy_photo(scene);
   }
 
   void copy_photo(const LabeledScene& scene) const {
     if (!scene.photo || scene.photo->path.extension() != ".png" || !scene.calibration) return;
-    const Folder folder = root() / kTraining / "image_2";
+    const Folder folder = root() / kTrainingFolder / "image_2";
     make_folder(folder);
     write_file(folder / (scene.name + ".png"), read_file(scene.photo->path));
   }

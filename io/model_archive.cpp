@@ -19,8 +19,8 @@ namespace {
 using internal::fail;
 using internal::quoted_text;
 
-constexpr char kFormat[] = "arbox model";
-constexpr int kVersion = 1;
+constexpr char kArchiveFormat[] = "arbox model";
+constexpr int kArchiveVersion = 1;
 
 constexpr char kManifest[] = "arbox.json";
 constexpr char kConfiguration[] = "configuration.yaml";
@@ -84,8 +84,8 @@ Json keys_of(const Map& map) {
 }
 
 std::string encode_manifest(const ModelArchive& archive) {
-  const Json manifest = {{"format", kFormat},
-                         {"version", kVersion},
+  const Json manifest = {{"format", kArchiveFormat},
+                         {"version", kArchiveVersion},
                          {"kind", archive.kind},
                          {"classes", archive.classes},
                          {"texts", keys_of(archive.texts)},
@@ -174,8 +174,8 @@ Manifest parse_manifest(const std::string& text, const std::string& place) {
   if (values.size() != 1) fail(place, "expected one JSON object");
   const JsonCursor root(values[0], place);
   root.require_object();
-  if (root.at("format").text() != kFormat) root.at("format").refuse(kFormat);
-  if (root.at("version").number() != kVersion) {
+  if (root.at("format").text() != kArchiveFormat) root.at("format").refuse(kArchiveFormat);
+  if (root.at("version").number() != kArchiveVersion) {
     root.at("version").refuse(
         "version 1, the only one that this build of Arbox reads (files of "
         "later versions need a later Arbox)");

@@ -15,7 +15,7 @@ namespace {
 using internal::quoted_text;
 
 constexpr double kMostIds = 9007199254740992.0;
-constexpr double kRigid = 1e-3;
+constexpr double kAxisTolerance = 1e-3;
 constexpr int kMostNyu40 = 40;
 
 std::int64_t whole(const JsonCursor& value) {
@@ -168,8 +168,9 @@ Eigen::Matrix4d parse_scannet_alignment(std::string_view text, std::string_view 
                                                     "axisAlignment", lines.place());
     }
     const Eigen::Matrix3d turn = matrix.topLeftCorner<3, 3>();
-    const bool rigid = (turn * turn.transpose()).isIdentity(kRigid) && turn.determinant() > 0 &&
-                       matrix.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1), kRigid);
+    const bool rigid = (turn * turn.transpose()).isIdentity(kAxisTolerance) &&
+                       turn.determinant() > 0 &&
+                       matrix.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1), kAxisTolerance);
     if (!rigid) {
       internal::refuse(lines.place(), "a rigid motion after axisAlignment",
                        "a matrix that is none");

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kPrepared = "scannet_train_detection_data";
-constexpr std::size_t kBoxColumns = 7;
+constexpr std::size_t kScanNetBoxColumns = 7;
 // Points of an instance may lie outside of its box by float32 rounding.
 constexpr double kRounding = 1e-3;
 
@@ -42,12 +42,12 @@ std::vector<std::int32_t> read_labels(const fs::path& path, std::size_t points) 
 
 std::vector<LabeledObject> read_boxes(const fs::path& path) {
   const NpyArray array = read_npy(path);
-  if (array.shape().size() != 2 || (array.shape()[1] != kBoxColumns && array.size() > 0)) {
+  if (array.shape().size() != 2 || (array.shape()[1] != kScanNetBoxColumns && array.size() > 0)) {
     throw FormatError(path.string() + ": expected rows of 7 numbers (centre, sizes, NYU40 id)");
   }
   const std::vector<double> rows = array.values<double>();
   std::vector<LabeledObject> objects;
-  for (std::size_t i = 0; i < rows.size(); i += kBoxColumns) {
+  for (std::size_t i = 0; i < rows.size(); i += kScanNetBoxColumns) {
     const double* row = rows.data() + i;
     LabeledObject& object = objects.emplace_back();
     object.label = nyu40_name(row[6] >= 1 && row[6] <= 40 ? static_cast<int>(row[6]) : 0);
@@ -55,7 +55,7 @@ std::vector<LabeledObject> read_boxes(const fs::path& path) {
     object.box.size = Eigen::Vector3d(row[3], row[4], row[5]);
     object.heading = Heading::kUnknown;
     object.attributes["nyu40"] = row[6];
-    const std::string place = path.string() + ": row " + std::to_string(i / kBoxColumns);
+    const std::string place = path.string() + ": row " + std::to_string(i / kScanNetBoxColumns);
     if (object.label.empty())
       throw FormatError(place + ": expected an NYU40 id of 1..40 at its end");
     try {
@@ -192,7 +192,7 @@ class VotenetWriter : public AccountingWriter {
       for (int i = 0; i < 3; ++i) boxes.push_back(object.box.size[i]);
       boxes.push_back(ids.back());
     }
-    write_npy<double>(file("_bbox.npy"), boxes, {scene.objects.size(), kBoxColumns});
+    write_npy<double>(file("_bbox.npy"), boxes, {scene.objects.size(), kScanNetBoxColumns});
     write_point_labels(scene, ids, file("_ins_label.npy"), file("_sem_label.npy"));
   }
 

@@ -13,7 +13,7 @@ using internal::refuse;
 
 constexpr std::size_t kFields = 13;
 constexpr int kDecimals = 9;
-constexpr double kRigid = 1e-3;
+constexpr double kTiltTolerance = 1e-3;
 constexpr std::array<std::string_view, kFields> kNames = {
     "class", "left", "top", "width", "height", "cx", "cy", "cz", "c1", "c2", "c3", "ox", "oy"};
 
@@ -138,7 +138,7 @@ SunRgbdCalibration parse_sunrgbd_calibration(std::string_view text, std::string_
   LineReader lines(text, source);
   SunRgbdCalibration calibration;
   calibration.tilt = parse_matrix(lines, "nine numbers of Rtilt, columns first");
-  if (!(calibration.tilt * calibration.tilt.transpose()).isIdentity(kRigid) ||
+  if (!(calibration.tilt * calibration.tilt.transpose()).isIdentity(kTiltTolerance) ||
       calibration.tilt.determinant() < 0.0) {
     refuse(lines.place(), "a rotation as Rtilt", "a matrix that is none");
   }

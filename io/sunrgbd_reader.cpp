@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kDigits = 6;
-constexpr const char* kVariable = "instance";
+constexpr const char* kCloudVariable = "instance";
 constexpr std::array<std::string_view, 3> kImages = {".jpg", ".jpeg", ".png"};
 
 /// 5051 is scene 005051.
@@ -52,7 +52,7 @@ class SunRgbdReader : public ListedDataset {
     LabeledScene scene{.name = std::string(name), .frame = SceneFrame::kRoom};
     scene.source = root() / "depth" / (scene.name + ".mat");
     read_file(scene.source, 0);
-    MatMatrix matrix = read_mat_matrix(scene.source, kVariable);
+    MatMatrix matrix = read_mat_matrix(scene.source, kCloudVariable);
     if (matrix.columns != 6 && matrix.columns != 3) {
       throw FormatError(scene.source.string() + ": expected rows x y z r g b, got " +
                         std::to_string(matrix.columns) + " columns");
@@ -101,7 +101,7 @@ class SunRgbdWriter : public AccountingWriter {
     const auto file = [&](const char* part, const std::string& ending) {
       return root() / part / (scene.name + ending);
     };
-    write_mat_matrix(file("depth", ".mat"), kVariable,
+    write_mat_matrix(file("depth", ".mat"), kCloudVariable,
                      {scene.cloud.size(), 6, colored_rows(scene.cloud, 1.0F)});
     if (scene.labelled) {
       std::vector<SunRgbdLabel> labels;

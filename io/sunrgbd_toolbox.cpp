@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kVariable = "SUNRGBDMeta";
+constexpr const char* kAnnotationsVariable = "SUNRGBDMeta";
 constexpr double kRigid = 1e-3;
 
 std::size_t count_of(const matvar_t& variable) {
@@ -150,14 +150,15 @@ SunRgbdAnnotation read_annotation(const MatStruct& item, std::size_t number) {
 std::vector<SunRgbdAnnotation> read_sunrgbd_toolbox(const fs::path& path) {
   const std::scoped_lock lock(internal::mat_mutex());
   const internal::MatFile file = internal::open_mat(path);
-  const internal::MatVariable variable(Mat_VarRead(file.get(), kVariable));
+  const internal::MatVariable variable(Mat_VarRead(file.get(), kAnnotationsVariable));
   if (!variable || variable->class_type != MAT_C_STRUCT) {
-    throw FormatError(path.string() + ": expected an array of structs " + kVariable);
+    throw FormatError(path.string() + ": expected an array of structs " + kAnnotationsVariable);
   }
   std::vector<SunRgbdAnnotation> result;
   for (std::size_t i = 0; i < count_of(*variable); ++i) {
-    const MatStruct item(variable.get(), i,
-                         path.string() + ": " + kVariable + "(" + std::to_string(i + 1) + ")");
+    const MatStruct item(
+        variable.get(), i,
+        path.string() + ": " + kAnnotationsVariable + "(" + std::to_string(i + 1) + ")");
     result.push_back(read_annotation(item, i + 1));
   }
   return result;

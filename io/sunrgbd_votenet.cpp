@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kPrefix = "sunrgbd_pc_bbox_votes_";
 constexpr const char* kCloud = "_pc.npz";
-constexpr std::size_t kBoxColumns = 8;
+constexpr std::size_t kSunRgbdBoxColumns = 8;
 constexpr std::size_t kVoteColumns = 10;
 
 struct SplitFolder {
@@ -108,14 +108,14 @@ class SunVotenetReader : public ListedDataset {
 
   static void read_boxes(LabeledScene& scene, const fs::path& path) {
     const NpyArray array = read_npy(path);
-    if (array.size() > 0 && (array.shape().size() != 2 || array.shape()[1] != kBoxColumns)) {
+    if (array.size() > 0 && (array.shape().size() != 2 || array.shape()[1] != kSunRgbdBoxColumns)) {
       throw FormatError(path.string() +
                         ": expected rows of 8 numbers (centre, half sizes, heading, class)");
     }
     const std::vector<double> rows = array.values<double>();
-    for (std::size_t i = 0; i < rows.size(); i += kBoxColumns) {
-      scene.objects.push_back(
-          read_box(rows.data() + i, path.string() + ": row " + std::to_string(i / kBoxColumns)));
+    for (std::size_t i = 0; i < rows.size(); i += kSunRgbdBoxColumns) {
+      scene.objects.push_back(read_box(
+          rows.data() + i, path.string() + ": row " + std::to_string(i / kSunRgbdBoxColumns)));
     }
   }
 
@@ -171,7 +171,7 @@ class SunVotenetWriter : public AccountingWriter {
       rows.push_back(static_cast<double>(class_number(object)));
     }
     write_npy<double>(folder / (scene.name + "_bbox.npy"), rows,
-                      {scene.objects.size(), kBoxColumns});
+                      {scene.objects.size(), kSunRgbdBoxColumns});
     write_file(folder / (scene.name + "_votes.npz"),
                encode_npz({{"point_votes", array(votes_of(scene), kVoteColumns)}}));
   }

@@ -81,7 +81,7 @@ std::vector<std::size_t> read_lengths(const PickleValue& tuple) {
 }
 
 /// How the numbers of a tensor lie in its storage, in elements.
-struct Layout {
+struct StoredLayout {
   std::size_t offset = 0;
   std::vector<std::size_t> shape, strides;
 
@@ -109,7 +109,7 @@ struct Layout {
 };
 
 /// The numbers in C order.
-std::string gathered(std::string_view storage, const Layout& layout, std::size_t element) {
+std::string gathered(std::string_view storage, const StoredLayout& layout, std::size_t element) {
   const std::size_t count = NpyHeader{.shape = layout.shape}.count();
   if (count == 0) return {};
   if (layout.contiguous()) {
@@ -163,9 +163,9 @@ ModelRecord TorchCheckpoint::tensor(const PickleValue& value) const {
   const internal::TorchStorage storage = internal::read_torch_storage(arguments[0]);
   const auto number = named_type ? internal::torch_number(arguments[6].name()) : storage.number;
   if (!number) arguments.refuse("a tensor of bools, integers or floats");
-  const Layout layout{.offset = arguments[1].length(),
-                      .shape = read_lengths(arguments[2]),
-                      .strides = read_lengths(arguments[3])};
+  const StoredLayout layout{.offset = arguments[1].length(),
+                            .shape = read_lengths(arguments[2]),
+                            .strides = read_lengths(arguments[3])};
   if (layout.shape.size() != layout.strides.size()) arguments.refuse("a stride for each axis");
   const std::size_t element = number->bytes();
   internal::require_array_bytes(layout.shape, element, "a tensor", storages_->file_size,

@@ -8,6 +8,7 @@
 #include "arbox/base/options.h"
 #include "arbox/base/parallel.h"
 #include "arbox/geometry/overlap.h"
+#include "arbox/training/points_in_boxes.h"
 #include "arbox/training/scene_transform.h"
 
 namespace arbox::training {
@@ -28,10 +29,18 @@ double underside(const Box& box) { return box.center.z() - 0.5 * box.size.z(); }
 
 std::vector<StoredObject> cut_objects(const Scene& scene, const ObjectDatabaseOptions& options) {
   require_columns(scene, "object database");
-  std::vector<StoredObject> result;
+  std::vector<SceneObject> wanted;
+  std::vector<Box> boxes;
   for (const SceneObject& object : scene.objects) {
     if (object.label < 0 || (object.difficulty < 0 && !options.keep_hardest)) continue;
-    const auto inside = points_inside(scene.cloud, object.box);
+    wanted.push_back(object);
+    boxes.push_back(object.box);
+  }
+  const auto points = points_inside(scene.cloud, boxes);
+  std::vector<StoredObject> result;
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    const SceneObject& object = wanted[k];
+    const std::vector<std::size_t>& inside = points[k];
     if (inside.size() < static_cast<std::size_t>(options.min_points)) continue;
     StoredObject& stored = result.emplace_back();
     stored.object = object;

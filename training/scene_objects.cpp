@@ -7,7 +7,7 @@
 
 #include "arbox/base/error.h"
 #include "arbox/evaluation/kitti_protocol.h"
-#include "arbox/training/scene_transform.h"
+#include "arbox/training/points_in_boxes.h"
 
 namespace arbox::training {
 namespace {

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "arbox/base/error.h"
-#include "arbox/base/parallel.h"
 
 namespace arbox::training {
 namespace {
@@ -28,22 +27,6 @@ void change_points(PointCloud& cloud, const Change& change) {
 void set_heading(Box& box, double heading) {
   box.rotation = geometry::make_yaw_box(box.center, box.size, heading).rotation;
 }
-
-/// A box with what is needed to pass over far points quickly.
-class BoxTest {
- public:
-  explicit BoxTest(const Box& box)
-      : box_(box), reach_(0.5 * box.size.norm() + 1e-3), squared_(reach_ * reach_) {}
-
-  bool holds(const float* point) const {
-    const double x = point[0] - box_.center.x(), y = point[1] - box_.center.y();
-    return x * x + y * y <= squared_ && geometry::contains(box_, {point[0], point[1], point[2]});
-  }
-
- private:
-  Box box_;
-  double reach_, squared_;
-};
 
 }  // namespace
 
@@ -104,44 +87,6 @@ double ground_height(const io::KittiPlane& ground, double x, double y) {
     throw InvalidArgument("ground_height: expected a plane that lies, got one that stands upright");
   }
   return -(ground.normal.x() * x + ground.normal.y() * y + ground.offset) / ground.normal.z();
-}
-
-std::vector<std::size_t> points_inside(const PointCloud& cloud, const Box& box) {
-  std::vector<std::size_t> result;
-  const BoxTest test(box);
-  const std::size_t columns = cloud.columns(), count = cloud.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    if (test.holds(&cloud.values[i * columns])) result.push_back(i);
-  }
-  return result;
-}
-
-std::vector<std::int64_t> count_points(const PointCloud& cloud,
-                                       std::span<const SceneObject> objects, int threads) {
-  std::vector<std::int64_t> result(objects.size());
-  parallel_for(static_cast<std::int64_t>(objects.size()), 1, threads,
-               [&](std::int64_t first, std::int64_t last) {
-                 for (std::int64_t i = first; i < last; ++i) {
-                   result[i] =
-                       static_cast<std::int64_t>(points_inside(cloud, objects[i].box).size());
-                 }
-               });
-  return result;
-}
-
-void remove_points_inside(PointCloud& cloud, std::span<const Box> boxes) {
-  const std::vector<BoxTest> tests(boxes.begin(), boxes.end());
-  const std::size_t columns = cloud.columns(), count = cloud.size();
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const float* point = &cloud.values[i * columns];
-    bool inside = false;
-    for (const BoxTest& test : tests) inside = inside || test.holds(point);
-    if (inside) continue;
-    if (kept != i) std::copy(point, point + columns, &cloud.values[kept * columns]);
-    ++kept;
-  }
-  cloud.values.resize(kept * columns);
 }
 
 }  // namespace arbox::training

@@ -9,7 +9,7 @@
 namespace arbox::io::internal {
 namespace {
 
-NumberType number_type(std::string_view word, const TextPlace& place) {
+NumberType ply_number_type(std::string_view word, const TextPlace& place) {
   static constexpr std::pair<std::string_view, NumberType> kTypes[] = {
       {"char", NumberType::kInt8},      {"int8", NumberType::kInt8},
       {"uchar", NumberType::kUint8},    {"uint8", NumberType::kUint8},
@@ -49,16 +49,16 @@ PlyElement element_of(const std::vector<std::string_view>& words, const TextPlac
 
 PlyProperty property_of(const std::vector<std::string_view>& words, const TextPlace& place) {
   if (words.size() == 5 && words[1] == "list") {
-    const NumberType length = number_type(words[2], place);
+    const NumberType length = ply_number_type(words[2], place);
     if (is_floating(length))
       refuse(place, "a whole-number type of list lengths", quoted_text(words[2]));
-    return {std::string(words[4]), number_type(words[3], place), length};
+    return {std::string(words[4]), ply_number_type(words[3], place), length};
   }
   if (words.size() != 3) {
     refuse(place, "property TYPE NAME or property list TYPE TYPE NAME",
            std::to_string(words.size()) + " words");
   }
-  return {std::string(words[2]), number_type(words[1], place), std::nullopt};
+  return {std::string(words[2]), ply_number_type(words[1], place), std::nullopt};
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ std::string_view type_word(NumberType type) {
   }
 }
 
-std::vector<OutputField> fields_of(const Output& output) {
+std::vector<OutputField> ply_fields(const Output& output) {
   std::vector<OutputField> fields{{"x", NumberType::kFloat32, 0},
                                   {"y", NumberType::kFloat32, 1},
                                   {"z", NumberType::kFloat32, 2}};
@@ -45,7 +45,7 @@ std::vector<OutputField> fields_of(const Output& output) {
 }  // namespace
 
 std::string encode_ply(const Output& output, const std::string& encoding) {
-  const std::vector<OutputField> fields = fields_of(output);
+  const std::vector<OutputField> fields = ply_fields(output);
   const bool ascii = encoding == "ascii";
   std::string result = std::string("ply\nformat ") + (ascii ? "ascii" : "binary_little_endian") +
                        " 1.0\nelement vertex " + std::to_string(output.points.size()) + "\n";

@@ -8,6 +8,7 @@
 
 #include "arbox/base/error.h"
 #include "arbox/geometry/overlap.h"
+#include "arbox/training/points_in_boxes.h"
 #include "arbox/training/scene_transform.h"
 #include "training/made_scene.h"
 
@@ -19,7 +20,7 @@ using geometry::Box;
 /// Like points_inside with room for the rounding of points to float32.
 std::vector<std::size_t> inside(const Scene& scene, Box box) {
   box.size.array() += 1e-4;
-  return points_inside(scene.cloud, box);
+  return points_inside(scene.cloud, std::span(&box, 1)).front();
 }
 
 void expect_same_members(const Scene& before, const Scene& after) {
@@ -114,26 +115,6 @@ TEST(SceneTransform, FactorsMustBeAboveZero) {
                InvalidArgument);
 }
 
-TEST(SceneTransform, RemovesExactlyThePointsInside) {
-  const Scene scene = made_scene(4);
-  std::vector<Box> boxes = {scene.objects[0].box, scene.objects[3].box};
-  Scene changed = scene;
-  remove_points_inside(changed.cloud, boxes);
-  std::vector<float> expected;
-  for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
-    const float* row = &scene.cloud.values[4 * i];
-    const Eigen::Vector3d point(row[0], row[1], row[2]);
-    if (geometry::contains(boxes[0], point) || geometry::contains(boxes[1], point)) continue;
-    expected.insert(expected.end(), row, row + 4);
-  }
-  EXPECT_LT(expected.size(), scene.cloud.values.size());
-  EXPECT_EQ(changed.cloud.values, expected);
-  Scene empty;
-  empty.cloud.channels = {"intensity"};
-  remove_points_inside(empty.cloud, boxes);
-  EXPECT_TRUE(empty.cloud.values.empty());
-}
-
 ObjectDatabase database_of(std::vector<Scene> scenes, const ObjectDatabaseOptions& options = {}) {
   return ObjectDatabase::build(ListedScenes(std::move(scenes)), options);
 }
@@ -146,7 +127,7 @@ TEST(ObjectDatabase, HoldsTheObjectsOfEveryClassWithTheirPoints) {
   EXPECT_TRUE(database.of(2).empty());
   EXPECT_TRUE(database.of(kOtherObject).empty());
   const StoredObject& first = database.objects()[0];
-  EXPECT_EQ(first.points.size(), 4 * points_inside(scene.cloud, scene.objects[0].box).size());
+  EXPECT_EQ(first.points.size(), 4 * count_points(scene.cloud, scene.objects)[0]);
   const Eigen::Vector3d& center = scene.objects[0].box.center;
   EXPECT_NEAR(first.clearance, -1.7 - ground_height(*scene.ground, center.x(), center.y()), 1e-9);
 }

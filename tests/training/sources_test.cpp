@@ -6,6 +6,7 @@
 #include "arbox/base/error.h"
 #include "arbox/geometry/overlap.h"
 #include "arbox/simulation/street_dataset.h"
+#include "arbox/training/points_in_boxes.h"
 #include "arbox/training/scene_data.h"
 #include "arbox/training/scene_transform.h"
 #include "support/program.h"

@@ -95,8 +95,9 @@ void add_convert(CLI::App& app) {
   DatasetConvertFlags& dataset = flags->dataset;
   add_dataset_flags(*command, dataset.options, dataset.splits);
   command->add_option("--to-layout", dataset.layout, "Layout of the dataset that is written")
-      ->check(CLI::IsMember(io::writable_layouts()))
+      ->check(CLI::IsMember(io::dataset_layouts()))
       ->capture_default_str();
+  add_option_flags(*command, bind_options(dataset.write));
   command
       ->add_option("--class-map", dataset.class_map,
                    "Rename a class of the dataset; FROM= leaves it out")

@@ -82,6 +82,8 @@ void give(const io::WriteReport& report, const DatasetConvertFlags& flags, std::
                  {"objects", report.objects},     {"enclosed", report.enclosed},
                  {"left_out", Json::object()},    {"broken", broken}};
     for (const auto& [label, count] : report.left_out) json["left_out"][label] = count;
+    json["notes"] = Json::object();
+    for (const auto& [what, count] : report.notes) json["notes"][what] = count;
     std::cout << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
     return;
   }
@@ -97,6 +99,7 @@ void give(const io::WriteReport& report, const DatasetConvertFlags& flags, std::
     spdlog::warn("{} boxes were replaced by ones around them that layout {} can hold",
                  report.enclosed, flags.layout);
   }
+  for (const auto& [what, count] : report.notes) spdlog::warn("{} {}", count, what);
   if (broken > 0) spdlog::warn("{} scenes could not be read and were passed over", broken);
 }
 
@@ -104,7 +107,7 @@ void give(const io::WriteReport& report, const DatasetConvertFlags& flags, std::
 
 void convert_dataset(const DatasetConvertFlags& flags) {
   const auto map = read_class_map(flags.class_map);
-  const auto layouts = io::writable_layouts();
+  const auto layouts = io::dataset_layouts();
   if (std::find(layouts.begin(), layouts.end(), flags.layout) == layouts.end()) {
     std::string known;
     for (const auto& name : layouts) known += (known.empty() ? "" : ", ") + name;
@@ -114,7 +117,8 @@ void convert_dataset(const DatasetConvertFlags& flags) {
   const auto jobs = plan(*dataset, flags.splits);
   const auto writer =
       io::create_dataset(flags.output, flags.layout, dataset->frame(),
-                         map.empty() ? dataset->classes() : std::vector<std::string>{});
+                         map.empty() ? dataset->classes() : std::vector<std::string>{},
+                         flags.write);
   std::atomic<std::size_t> broken = 0;
   Progress progress("convert", static_cast<std::int64_t>(jobs.size()));
   parallel_for(static_cast<std::int64_t>(jobs.size()), 1, 0,

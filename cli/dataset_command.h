@@ -32,6 +32,7 @@ struct DatasetConvertFlags {
   io::DatasetOptions options;
   std::vector<std::string> splits;
   std::string layout = "arbox";
+  io::DatasetWriteOptions write = {};
   /// FROM=TO; nothing after the sign leaves the class out.
   std::vector<std::string> class_map;
   bool skip_broken = false;

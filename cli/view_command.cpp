@@ -105,6 +105,9 @@ void view_dataset(const ViewFlags& flags) {
   drawing::Scene scene;
   scene.cloud = shown.cloud.view();
   scene.truth = to_truth(shown.objects);
+  for (const io::LabeledObject& object : shown.objects) {
+    scene.truth_has_front.push_back(object.heading == io::Heading::kKnown);
+  }
   if (!flags.boxes.empty()) {
     scene.predictions = read_boxes(flags.boxes, KittiText::kResults, shown.name, shown.calibration);
   }

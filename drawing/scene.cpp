@@ -29,6 +29,10 @@ void check(const Scene& scene, const SceneOptions& options) {
   if (scene.photo && !scene.photo->projection.allFinite()) {
     throw InvalidArgument("draw_scene: the photo's projection matrix must be finite");
   }
+  const std::size_t fronts = scene.truth_has_front.size();
+  if (fronts != 0 && fronts != scene.truth.size()) {
+    throw InvalidArgument("draw_scene: truth_has_front must be empty or as long as truth");
+  }
 }
 
 Image scaled(const Image& image, int width, int height) {

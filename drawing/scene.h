@@ -32,6 +32,9 @@ struct Scene {
   std::vector<geometry::Detection> predictions;
   /// Dashed boxes; of these only the label and the box are used.
   std::vector<geometry::Detection> truth;
+  /// For each of `truth` whether its box's x axis is the object's front, which is drawn then; empty
+  /// stands for all.
+  std::vector<bool> truth_has_front = {};
   std::optional<Photo> photo;
 };
 
@@ -104,7 +107,8 @@ struct SceneOptions {
 ///
 /// Throws ConfigError for options out of range; InvalidArgument for a height that is too small for
 /// the content, for colour by a channel that a non-empty cloud does not have, for invalid boxes,
-/// and for a photo whose projection is not finite.
+/// for a truth_has_front that is neither empty nor as long as truth, and for a photo whose projection
+/// is not finite.
 Image draw_scene(const Scene& scene, const SceneOptions& options = {});
 
 }  // namespace arbox::drawing

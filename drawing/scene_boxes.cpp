@@ -192,7 +192,8 @@ void draw_boxes(Canvas& canvas, const Theme& theme, const Scene& scene,
   }
   for (const std::size_t i : far_to_near(scene.truth, projection)) {
     const Detection& detection = scene.truth[i];
-    if (alone) draw_heading(canvas, projection, detection.box, color_of(detection));
+    const bool front = scene.truth_has_front.empty() || scene.truth_has_front[i];
+    if (alone && front) draw_heading(canvas, projection, detection.box, color_of(detection));
     draw_truth(canvas, theme, projection, detection.box, alone ? color_of(detection) : theme.ink);
   }
   if (!labels) return;

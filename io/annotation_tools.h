@@ -2,6 +2,7 @@
 
 #include <array>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,5 +45,18 @@ using Tracklets = std::map<std::int64_t, std::vector<LabeledObject>>;
 /// centre; rotations are about x, then y, then z, radians. Poses that fill gaps (truncation 2
 /// or 99, out of the image) are left out. Throws FormatError.
 Tracklets parse_cvat_tracklets(std::string_view text, std::string_view source);
+
+/// labelCloud's form `vertices`, the only one of its forms that holds any rotation and needs no
+/// word on units: {"folder": "pointclouds", "filename": CLOUD, "path": .., "objects": [..]}. Throws
+/// InvalidArgument for invalid boxes.
+std::string format_labelcloud_vertices(std::span<const LabeledObject> objects,
+                                       std::string_view cloud);
+
+/// labels/_classes.json, by which labelCloud opens a folder in the form `vertices`.
+std::string format_labelcloud_classes(std::span<const std::string> classes);
+
+/// tracklet_labels.xml as CVAT reads and writes it, a track of one pose for each box. Throws
+/// InvalidArgument for invalid boxes.
+std::string format_cvat_tracklets(const Tracklets& tracklets);
 
 }  // namespace arbox::io

@@ -81,50 +81,6 @@ void read_boxes(LabeledScene& scene, const fs::path& path) {
   }
 }
 
-/// (H, W, 3) to (3, H, W).
-std::vector<float> planes(const auto& pixels, float scale) {
-  const std::size_t count = pixels.size() / 3;
-  std::vector<float> result(pixels.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      result[c * count + i] = static_cast<float>(pixels[3 * i + c]) / scale;
-    }
-  }
-  return result;
-}
-
-std::string mask_array(const std::vector<std::vector<std::uint8_t>>& masks, std::size_t height,
-                       std::size_t width) {
-  std::vector<std::uint8_t> all;
-  for (const auto& mask : masks) all.insert(all.end(), mask.begin(), mask.end());
-  return encode_npy<std::uint8_t>(all, {masks.size(), height, width});
-}
-
-void require_writable(const LabeledScene& scene) {
-  const std::string place = "write_cob3d_scene: scene " + scene.name;
-  if (scene.frame != SceneFrame::kCamera || !scene.images) {
-    throw InvalidArgument(place +
-                          ": expected images in the frame camera; COB-3D's layout holds "
-                          "depth images, no clouds");
-  }
-  const RgbdImages& images = *scene.images;
-  const auto pixels = static_cast<std::size_t>(images.width) * images.height;
-  const auto fits = [&](std::size_t size, std::size_t channels) {
-    return size == 0 || size == channels * pixels;
-  };
-  if (images.depth.size() != pixels || !fits(images.rgb.size(), 3) ||
-      !fits(images.normals.size(), 3)) {
-    throw InvalidArgument(place + ": expected images of one size");
-  }
-  for (const auto* masks : {&images.visible_masks, &images.amodal_masks}) {
-    const bool sized = std::all_of(masks->begin(), masks->end(),
-                                   [&](const auto& mask) { return mask.size() == pixels; });
-    if (masks->size() != scene.objects.size() || !sized) {
-      throw InvalidArgument(place + ": expected one mask of the image's size an object");
-    }
-  }
-}
-
 void write_boxes(const fs::path& path, const LabeledScene& scene) {
   std::vector<double> sizes, centers, turns;
   for (const LabeledObject& object : scene.objects) {
@@ -161,7 +117,7 @@ LabeledScene read_cob3d_scene(const fs::path& folder) {
 }
 
 void write_cob3d_scene(const fs::path& folder, const LabeledScene& scene) {
-  require_writable(scene);
+  internal::require_cob3d_writable(scene, "write_cob3d_scene");
   internal::make_folder(folder / "annotation");
   const RgbdImages& images = *scene.images;
   const auto height = static_cast<std::size_t>(images.height);
@@ -171,17 +127,19 @@ void write_cob3d_scene(const fs::path& folder, const LabeledScene& scene) {
       {"depth", encode_npy<float>(images.depth, {height, width})},
       {"intrinsic", encode_npy<double>(std::span(intrinsic.data(), 9), {3, 3})}};
   if (!images.rgb.empty()) {
-    arrays.emplace_back("rgb", encode_npy<float>(planes(images.rgb, 255.0F), {3, height, width}));
+    arrays.emplace_back("rgb", internal::plane_array(images.rgb, 255.0F, height, width));
   }
   if (!images.normals.empty()) {
     arrays.emplace_back("normals",
-                        encode_npy<float>(planes(images.normals, 1.0F), {3, height, width}));
+                        internal::plane_array(images.normals, 1.0F, height, width));
   }
   write_file(folder / "data.npz", encode_npz(arrays));
-  write_file(folder / "annotation" / "segm.npz",
-             encode_npz({{"masks", mask_array(images.visible_masks, height, width)},
-                         {"masks_amodal", mask_array(images.amodal_masks, height, width)}}));
-  write_boxes(folder / "annotation" / "bbox3d.npz", scene);
+  if (images.visible_masks.size() == scene.objects.size()) {
+    write_file(folder / "annotation" / "segm.npz",
+               encode_npz({{"masks", internal::mask_array(images.visible_masks, height, width)},
+                           {"masks_amodal", internal::mask_array(images.amodal_masks, height, width)}}));
+  }
+  if (scene.labelled) write_boxes(folder / "annotation" / "bbox3d.npz", scene);
 }
 
 }  // namespace arbox::io

@@ -21,12 +21,18 @@ LabeledScene read_cob3d_scene(const std::filesystem::path& folder);
 
 /// Writes such a folder: rgb, depth, normals as float32, masks as bytes, boxes as float64. The
 /// scene must be in the frame `camera` and have images; throws InvalidArgument otherwise and for
-/// masks that are not one an object, IoError.
+/// masks that are not one an object (a scene may have none), IoError.
 void write_cob3d_scene(const std::filesystem::path& folder, const LabeledScene& scene);
 
 /// Reads scenes/ID.npz of version 2, whose dictionaries are pickles (io/pickle.h: nothing is run).
 /// The half axes of a box are the columns of its pose times extents / scales. Throws as
 /// read_cob3d_scene.
 LabeledScene read_cob3d_v2_scene(const std::filesystem::path& file);
+
+/// Writes such a file. Poses have unit axes, scales are 1, extents are half sizes. What a scene does
+/// not tell is written as plainly as the layout allows: the voxel grid of an object is one filled
+/// voxel, near and far plane are the least and largest depth, 2-D boxes are the hulls of the amodal
+/// masks; there are no meshes. Throws as write_cob3d_scene.
+void write_cob3d_v2_scene(const std::filesystem::path& file, const LabeledScene& scene);
 
 }  // namespace arbox::io

@@ -97,6 +97,24 @@ class Cob3dWriter : public AccountingWriter {
   void write_rest() override {}
 };
 
+class Cob3dV2Writer : public AccountingWriter {
+ public:
+  explicit Cob3dV2Writer(const Folder& folder)
+      : AccountingWriter(folder, {.frame = SceneFrame::kCamera}) {
+    make_folder(root() / "scenes");
+  }
+
+ private:
+  void write(const std::string&, const LabeledScene& scene) override {
+    write_cob3d_v2_scene(root() / "scenes" / (scene.name + ".npz"), scene);
+  }
+  void write_rest() override {
+    Json splits = Json::object();
+    for (const auto& [split, names] : lists()) splits[split] = names;
+    write_file(root() / "dset.json", dump_json(splits, 1) + "\n");
+  }
+};
+
 }  // namespace
 
 bool fits_cob3d(const Folder& root) {
@@ -119,6 +137,10 @@ Reader open_cob3d_v2(const Folder& root, const DatasetOptions&) {
 
 Writer create_cob3d(const NewDataset& dataset) {
   return std::make_unique<Cob3dWriter>(dataset.root);
+}
+
+Writer create_cob3d_v2(const NewDataset& dataset) {
+  return std::make_unique<Cob3dV2Writer>(dataset.root);
 }
 
 }  // namespace arbox::io::internal

@@ -29,20 +29,21 @@ constexpr std::array kLayouts = {
     Layout{"scannet-votenet", "SCENE_vert.npy and SCENE_bbox.npy", fits_scannet_votenet,
            open_scannet_votenet, create_scannet_votenet},
     Layout{"scannet", "scans/SCENE/SCENE_vh_clean_2.ply", fits_scannet_raw, open_scannet_raw,
-           nullptr},
+           create_scannet_raw},
     Layout{"sunrgbd", "depth/, calib/ and label/", fits_sunrgbd, open_sunrgbd, create_sunrgbd},
     Layout{"sunrgbd-votenet", "SCENE_pc.npz and SCENE_bbox.npy", fits_sunrgbd_votenet,
            open_sunrgbd_votenet, create_sunrgbd_votenet},
     Layout{"sunrgbd-toolbox", "SUNRGBDMeta3DBB_v2.mat", fits_sunrgbd_toolbox, open_sunrgbd_toolbox,
-           nullptr},
-    Layout{"cob3d-v2", "dset.json and scenes/", fits_cob3d_v2, open_cob3d_v2, nullptr},
+           create_sunrgbd_toolbox},
+    Layout{"cob3d-v2", "dset.json and scenes/", fits_cob3d_v2, open_cob3d_v2, create_cob3d_v2},
     Layout{"cob3d", "SPLIT/00000/data.npz", fits_cob3d, open_cob3d, create_cob3d},
     Layout{"scannet-mmdet3d", "scannet_infos_*.pkl and points/", fits_mmdet3d_scannet,
-           open_mmdet3d_scannet, nullptr},
+           open_mmdet3d_scannet, create_mmdet3d_scannet},
     Layout{"sunrgbd-mmdet3d", "sunrgbd_infos_*.pkl and points/", fits_mmdet3d_sunrgbd,
-           open_mmdet3d_sunrgbd, nullptr},
-    Layout{"labelcloud", "pointclouds/ and labels/", fits_labelcloud, open_labelcloud, nullptr},
-    Layout{"cvat", "tracklet_labels.xml", fits_cvat, open_cvat, nullptr},
+           open_mmdet3d_sunrgbd, create_mmdet3d_sunrgbd},
+    Layout{"labelcloud", "pointclouds/ and labels/", fits_labelcloud, open_labelcloud,
+           create_labelcloud},
+    Layout{"cvat", "tracklet_labels.xml", fits_cvat, open_cvat, create_cvat},
     Layout{"arbox", "dataset.json, or points/ and labels/", fits_arbox, open_arbox, create_arbox}};
 
 const Layout& layout_named(std::string_view name) {
@@ -84,14 +85,6 @@ std::vector<std::string> dataset_layouts() {
   return names;
 }
 
-std::vector<std::string> writable_layouts() {
-  std::vector<std::string> names;
-  for (const Layout& layout : kLayouts) {
-    if (layout.create != nullptr) names.emplace_back(layout.name);
-  }
-  return names;
-}
-
 std::string guess_layout(const std::filesystem::path& root) {
   return std::string(layout_of(root).name);
 }
@@ -106,18 +99,16 @@ std::unique_ptr<DatasetReader> open_dataset(const std::filesystem::path& root,
 
 std::unique_ptr<DatasetWriter> create_dataset(const std::filesystem::path& root,
                                               const std::string& layout, SceneFrame frame,
-                                              const std::vector<std::string>& classes) {
-  const auto writable = writable_layouts();
-  if (std::find(writable.begin(), writable.end(), layout) == writable.end()) {
-    throw InvalidArgument("create_dataset: expected one of the layouts " + joined(writable, ", ") +
-                          ", got " + quoted_text(layout));
-  }
+                                              const std::vector<std::string>& classes,
+                                              const DatasetWriteOptions& options) {
+  validate_options(options, "create_dataset");
+  const Layout& entry = layout_named(layout);
   std::error_code ignored;
   if (std::filesystem::exists(root, ignored) && !std::filesystem::is_empty(root, ignored)) {
     throw IoError(root.string() + ": expected a new or empty folder to write a dataset into");
   }
   make_folder(root);
-  return layout_named(layout).create({root, frame, classes});
+  return entry.create({root, frame, classes, options});
 }
 
 }  // namespace arbox::io

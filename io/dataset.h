@@ -82,7 +82,7 @@ struct DatasetOptions {
   }
 };
 
-/// Names of the layouts that are read.
+/// Names of the layouts; each is read and written.
 std::vector<std::string> dataset_layouts();
 
 /// The layout that a folder has the files of. Throws IoError for what is no folder and FormatError,
@@ -100,12 +100,29 @@ struct WriteReport {
   std::map<std::string, std::size_t> left_out = {};
   /// Boxes that stand for a tilted or turned one, which they enclose.
   std::size_t enclosed = 0;
+  /// What else changed, in words, and how often.
+  std::map<std::string, std::size_t> notes = {};
+};
+
+/// What a writer is asked for beyond the layout.
+struct DatasetWriteOptions {
+  /// Which mmdetection3d the infos of scannet-mmdet3d and sunrgbd-mmdet3d are for: "1.1" and later
+  /// (plain lists), "1.0" (NumPy arrays), "0.x" (the same, yaw of SUN RGB-D clockwise).
+  std::string infos = "1.1";
+
+  template <class Visitor>
+  static void describe(Visitor& visitor) {
+    visitor.field("infos", &DatasetWriteOptions::infos,
+                  {.help = "Version of mmdetection3d that written infos are for",
+                   .choices = {"1.1", "1.0", "0.x"}});
+  }
 };
 
 /// Writes scenes in a dataset's layout. Objects that it cannot hold are fitted to it: in layouts of
 /// upright boxes a tilted box becomes the smallest upright one around it with the heading of its
 /// x axis, in layouts without rotation a turned one becomes its axis-aligned hull; objects of
-/// classes that the layout has no number for are left out. WriteReport counts them.
+/// classes that the layout has no number for are left out. WriteReport counts them. What each layout
+/// cannot hold: docs/datasets/README.md.
 class DatasetWriter {
  public:
   virtual ~DatasetWriter();
@@ -117,15 +134,14 @@ class DatasetWriter {
   virtual WriteReport finish() = 0;
 };
 
-/// Names of the layouts that are written.
-std::vector<std::string> writable_layouts();
-
 /// Makes the folder if it is not there. `frame` and `classes` are those of the scenes that will
-/// come, for layouts that can have any. Throws InvalidArgument for a layout that is not written,
-/// IoError for a folder that is not empty.
+/// come, for layouts that can have any. All layouts that are read are written. Throws
+/// InvalidArgument for an unknown layout, ConfigError for bad options, IoError for a folder that is
+/// not empty.
 std::unique_ptr<DatasetWriter> create_dataset(const std::filesystem::path& root,
                                               const std::string& layout,
                                               SceneFrame frame = SceneFrame::kLidar,
-                                              const std::vector<std::string>& classes = {});
+                                              const std::vector<std::string>& classes = {},
+                                              const DatasetWriteOptions& options = {});
 
 }  // namespace arbox::io

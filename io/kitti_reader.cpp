@@ -128,7 +128,7 @@ class KittiWriter : public AccountingWriter {
   }
 
  private:
-  void write(const std::string&, const LabeledScene& scene) override {
+  void write(const std::string& split, const LabeledScene& scene) override {
     const KittiCalibration calibration = scene.calibration.value_or(forward_camera());
     const bool sized = scene.photo && scene.photo->size.width > 0;
     const ImageSize image = sized ? scene.photo->size : ImageSize{1242, 375};
@@ -136,17 +136,25 @@ class KittiWriter : public AccountingWriter {
     for (const LabeledObject& object : scene.objects) {
       labels.push_back(to_label(object, calibration, image, scene.calibration.has_value()));
     }
-    const Folder folder = root() / kTrainingFolder;
-    write_point_cloud(folder / "velodyne" / (scene.name + ".bin"), scene.cloud.view());
-    write_file(folder / "label_2" / (scene.name + ".txt"),
-               format_kitti_labels(labels, kKittiDecimals));
-    write_file(folder / "calib" / (scene.name + ".txt"), format_kitti_calibration(calibration));
-    copy_photo(scene);
+    const std::string part(KittiDataset::folder(split));
+    const Folder base = root() / part;
+    const auto file = [&](const char* folder, const char* ending) {
+      make_folder(base / folder);
+      return base / folder / (scene.name + ending);
+    };
+    write_point_cloud(file("velodyne", ".bin"), scene.cloud.view());
+    write_file(file("calib", ".txt"), format_kitti_calibration(calibration));
+    if (part == kTrainingFolder) {
+      write_file(file("label_2", ".txt"), format_kitti_labels(labels, kKittiDecimals));
+      if (!scene.labelled) note("scans without labels became scans with no objects");
+    } else if (scene.labelled) {
+      note("labelled scans of the split test lost their labels, which the layout has no place for");
+    }
+    copy_photo(scene, base / "image_2");
   }
 
-  void copy_photo(const LabeledScene& scene) const {
+  static void copy_photo(const LabeledScene& scene, const Folder& folder) {
     if (!scene.photo || scene.photo->path.extension() != ".png" || !scene.calibration) return;
-    const Folder folder = root() / kTrainingFolder / "image_2";
     make_folder(folder);
     write_file(folder / (scene.name + ".png"), read_file(scene.photo->path));
   }

@@ -197,8 +197,12 @@ std::vector<Mmdet3dInfo> read_mmdet3d_infos(const PickleValue& root) {
     return infos;
   }
   const Categories categories = read_categories(root);
+  const auto yaw = root.at("metainfo").find("yaw");
   for (const PickleValue& info : root.at("data_list").elements()) {
     infos.push_back(read_new(info, categories));
+    if (yaw && yaw->text() == "counter-clockwise") {
+      infos.back().written_sense = YawSense::kCounterClockwise;
+    }
   }
   return infos;
 }

@@ -37,8 +37,8 @@ struct Mmdet3dInfo {
   std::vector<std::array<double, 4>> image_boxes;
   std::string image;
   std::optional<Projection> projection;
-  /// What the order of the key `dimensions` says of the writer's version; nothing if it is not
-  /// there or says nothing.
+  /// What the order of the key `dimensions` says of the writer's version, or the key `yaw` of the
+  /// metainfo that Arbox writes; nothing if they are not there or say nothing.
   std::optional<YawSense> written_sense;
 };
 
@@ -46,8 +46,8 @@ struct Mmdet3dInfo {
 std::vector<Mmdet3dInfo> read_mmdet3d_infos(const PickleValue& root);
 
 /// Finds out which way yaw runs: the boxes, projected into their images under either sense, are
-/// compared with the 2-D boxes; where there are too few of these, the order of `dimensions` tells
-/// (length, height, width before 1.0). Nothing if neither does.
+/// compared with the 2-D boxes; where there are too few of these, written_sense tells (the order of
+/// `dimensions` is length, height, width before 1.0). Nothing if neither does.
 std::optional<YawSense> find_yaw_sense(const std::vector<Mmdet3dInfo>& infos);
 
 }  // namespace arbox::io

@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <map>
 
 #include "arbox/base/error.h"
 #include "arbox/io/file.h"
 #include "arbox/io/internal/colored_rows.h"
 #include "arbox/io/internal/dataset_layouts.h"
+#include "arbox/io/internal/scannet_instances.h"
 #include "arbox/io/mmdet3d.h"
 #include "arbox/io/scannet.h"
 #include "arbox/io/sunrgbd.h"
@@ -57,6 +59,7 @@ class Mmdet3dReader : public ListedDataset {
     read_points(scene, info);
     align(scene.cloud, info.alignment);
     for (std::size_t i = 0; i < info.boxes.size(); ++i) add_object(scene, info, i);
+    if (scannet_ && scene.labelled) read_point_labels(scene);
     const fs::path image = find_image(info);
     if (info.projection && !image.empty()) {
       scene.photo = {.path = image, .projection = *info.projection};
@@ -105,6 +108,31 @@ class Mmdet3dReader : public ListedDataset {
       values.resize(to);
     }
     scene.cloud = colored_cloud(std::move(values), kept);
+  }
+
+  /// The masks beside the points, where both are there with a number a point.
+  void read_point_labels(LabeledScene& scene) const {
+    const auto read = [&](const char* folder) {
+      const fs::path path = root() / folder / (scene.name + ".bin");
+      std::vector<std::int32_t> numbers;
+      if (!fs::exists(path)) return numbers;
+      const std::string bytes = read_file(path);
+      if (bytes.size() != scene.cloud.size() * sizeof(std::int64_t)) {
+        throw FormatError(path.string() + ": expected an int64 number a point (" +
+                          std::to_string(scene.cloud.size()) + "), got " +
+                          std::to_string(bytes.size()) + " bytes");
+      }
+      for (std::size_t i = 0; i < bytes.size(); i += sizeof(std::int64_t)) {
+        std::int64_t number = 0;
+        std::memcpy(&number, bytes.data() + i, sizeof(number));
+        numbers.push_back(static_cast<std::int32_t>(
+            std::clamp<std::int64_t>(number, -1, std::numeric_limits<std::int32_t>::max())));
+      }
+      return numbers;
+    };
+    const auto instances = read("instance_mask"), nyu40 = read("semantic_mask");
+    if (instances.empty() || nyu40.empty()) return;
+    scene.point_objects = objects_of_instances(scene, instances, nyu40);
   }
 
   void add_object(LabeledScene& scene, const Mmdet3dInfo& info, std::size_t i) const {

@@ -148,6 +148,34 @@ std::vector<std::int64_t> parse_scannet_segments(std::string_view text, std::str
   return segments;
 }
 
+std::string format_scannet_aggregation(std::string_view scene,
+                                       std::span<const ScanNetGroup> groups) {
+  Json list = Json::array();
+  for (const ScanNetGroup& group : groups) {
+    list.push_back({{"id", group.object_id},
+                    {"objectId", group.object_id},
+                    {"segments", group.segments},
+                    {"label", group.label}});
+  }
+  const std::string name(scene);
+  return dump_json({{"sceneId", "scannet." + name},
+                    {"appId", "Arbox"},
+                    {"segGroups", std::move(list)},
+                    {"segmentsFile", "scannet." + name + "_vh_clean_2.0.010000.segs.json"}},
+                   -1);
+}
+
+std::string format_scannet_segments(std::string_view scene,
+                                    std::span<const std::int64_t> segments) {
+  std::string text = R"({"params":{"kThresh":"0.01","segMinVerts":"20"},"sceneId":)" +
+                     dump_json(std::string(scene), -1) + R"(,"segIndices":[)";
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    if (i > 0) text += ',';
+    text += std::to_string(segments[i]);
+  }
+  return text + "]}";
+}
+
 Eigen::Matrix4d parse_scannet_alignment(std::string_view text, std::string_view source) {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   internal::LineReader lines(text, source);

@@ -32,6 +32,9 @@ std::vector<std::string> scannet_class_names();
 /// bin`), otherwise NYU40's own. Empty for 0 and numbers out of 1..40.
 std::string_view nyu40_name(int id);
 
+/// The NYU40 id of such a name; 0 for others.
+int nyu40_id(std::string_view name);
+
 /// An object of SCENE.aggregation.json.
 struct ScanNetGroup {
   /// Counted from 0 in the file.
@@ -49,6 +52,12 @@ std::vector<ScanNetGroup> parse_scannet_aggregation(std::string_view text, std::
 /// Reads SCENE_vh_clean_2.0.010000.segs.json: the segment of each vertex (key segIndices). Throws
 /// FormatError. Memory: 8 bytes a vertex.
 std::vector<std::int64_t> parse_scannet_segments(std::string_view text, std::string_view source);
+
+/// What the two read, with the keys that ScanNet's own tools write.
+std::string format_scannet_aggregation(std::string_view scene,
+                                       std::span<const ScanNetGroup> groups);
+std::string format_scannet_segments(std::string_view scene,
+                                    std::span<const std::int64_t> segments);
 
 /// Reads the line `axisAlignment = ` (16 numbers, rows first) of SCENE.txt: from the scan's frame
 /// to the aligned one. Identity if there is no such line. Throws FormatError for other counts,

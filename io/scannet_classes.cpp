@@ -46,6 +46,11 @@ std::vector<std::string> scannet_class_names() {
   return names;
 }
 
+int nyu40_id(std::string_view name) {
+  const auto found = std::find(kNyu40.begin(), kNyu40.end(), name);
+  return found == kNyu40.end() ? 0 : static_cast<int>(found - kNyu40.begin()) + 1;
+}
+
 std::string_view nyu40_name(int id) {
   if (id < 1 || id > static_cast<int>(kNyu40.size())) return {};
   return kNyu40[static_cast<std::size_t>(id - 1)];

@@ -1,12 +1,8 @@
-#include <algorithm>
-#include <limits>
-#include <map>
-#include <utility>
-
 #include "arbox/base/error.h"
 #include "arbox/io/file.h"
 #include "arbox/io/internal/colored_rows.h"
 #include "arbox/io/internal/dataset_layouts.h"
+#include "arbox/io/internal/scannet_instances.h"
 #include "arbox/io/internal/text.h"
 #include "arbox/io/kitti_dataset.h"
 #include "arbox/io/npy.h"
@@ -21,8 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kPrepared = "scannet_train_detection_data";
 constexpr std::size_t kScanNetBoxColumns = 7;
-// Points of an instance may lie outside of its box by float32 rounding.
-constexpr double kRounding = 1e-3;
 
 Folder data_folder(const Folder& root) {
   for (const char* name : {kPrepared, "scannet_instance_data"}) {
@@ -65,34 +59,6 @@ std::vector<LabeledObject> read_boxes(const fs::path& path) {
     }
   }
   return objects;
-}
-
-/// Which object each instance is: the box of its class that fits its points closest.
-std::map<std::int32_t, std::int32_t> match_instances(const LabeledScene& scene,
-                                                     const std::vector<std::int32_t>& instances,
-                                                     const std::vector<std::int32_t>& nyu40) {
-  std::map<std::pair<std::int32_t, std::int32_t>, Eigen::AlignedBox3d> hulls;
-  const auto view = scene.cloud.view();
-  for (std::size_t i = 0; i < instances.size(); ++i) {
-    if (instances[i] > 0) hulls[{instances[i], nyu40[i]}].extend(view.position(i).cast<double>());
-  }
-  std::map<std::int32_t, std::int32_t> result;
-  for (const auto& [key, hull] : hulls) {
-    double best = std::numeric_limits<double>::infinity();
-    for (std::size_t o = 0; o < scene.objects.size(); ++o) {
-      const LabeledObject& object = scene.objects[o];
-      if (object.attributes.at("nyu40") != key.second) continue;
-      const Eigen::Vector3d half = 0.5 * object.box.size;
-      const Eigen::AlignedBox3d box(object.box.center - half, object.box.center + half);
-      const double slack =
-          std::max((box.min() - hull.min()).maxCoeff(), (hull.max() - box.max()).maxCoeff());
-      const double distance = (hull.min() - box.min()).norm() + (box.max() - hull.max()).norm();
-      if (slack > kRounding || distance >= best) continue;
-      best = distance;
-      result[key.first] = static_cast<std::int32_t>(o);
-    }
-  }
-  return result;
 }
 
 class VotenetReader : public ListedDataset {
@@ -157,11 +123,7 @@ class VotenetReader : public ListedDataset {
       kept_instances.push_back(instances[row]);
       kept_nyu40.push_back(nyu40[row]);
     }
-    const auto object_of = match_instances(scene, kept_instances, kept_nyu40);
-    for (const std::int32_t instance : kept_instances) {
-      const auto found = object_of.find(instance);
-      scene.point_objects.push_back(found == object_of.end() ? -1 : found->second);
-    }
+    scene.point_objects = objects_of_instances(scene, kept_instances, kept_nyu40);
   }
 
   Folder data_;
@@ -185,36 +147,19 @@ class VotenetWriter : public AccountingWriter {
     write_npy<float>(file("_vert.npy"), colored_rows(scene.cloud, 255.0F), {scene.cloud.size(), 6});
     if (!scene.labelled) return;
     std::vector<double> boxes;
-    std::vector<std::uint32_t> ids;
     for (const LabeledObject& object : scene.objects) {
-      ids.push_back(static_cast<std::uint32_t>(scannet_classes()[class_number(object)].nyu40_id));
       for (int i = 0; i < 3; ++i) boxes.push_back(object.box.center[i]);
       for (int i = 0; i < 3; ++i) boxes.push_back(object.box.size[i]);
-      boxes.push_back(ids.back());
+      boxes.push_back(nyu40_id(object.label));
     }
     write_npy<double>(file("_bbox.npy"), boxes, {scene.objects.size(), kScanNetBoxColumns});
-    write_point_labels(scene, ids, file("_ins_label.npy"), file("_sem_label.npy"));
-  }
-
-  static void write_point_labels(const LabeledScene& scene, const std::vector<std::uint32_t>& ids,
-                                 const fs::path& instances_file, const fs::path& nyu40_file) {
-    std::vector<std::int32_t> objects = scene.point_objects;
-    if (objects.empty()) {
-      objects.assign(scene.cloud.size(), -1);
-      std::vector<geometry::Box> boxes;
-      for (const LabeledObject& object : scene.objects) boxes.push_back(object.box);
-      const auto inside = points_in_boxes(scene.cloud.view(), boxes, kRounding);
-      for (std::size_t o = 0; o < inside.size(); ++o) {
-        for (const std::int32_t point : inside[o]) objects[point] = static_cast<std::int32_t>(o);
-      }
-    }
-    std::vector<std::uint32_t> instances, nyu40;
-    for (const std::int32_t object : objects) {
-      instances.push_back(static_cast<std::uint32_t>(object + 1));
-      nyu40.push_back(object < 0 ? 0 : ids[static_cast<std::size_t>(object)]);
-    }
-    write_npy<std::uint32_t>(instances_file, instances, {instances.size()});
-    write_npy<std::uint32_t>(nyu40_file, nyu40, {nyu40.size()});
+    const ScanNetPointLabels labels = scannet_point_labels(scene);
+    const auto write_labels = [&](const char* ending, const std::vector<std::int64_t>& numbers) {
+      const std::vector<std::uint32_t> narrow(numbers.begin(), numbers.end());
+      write_npy<std::uint32_t>(file(ending), narrow, {narrow.size()});
+    };
+    write_labels("_ins_label.npy", labels.instances);
+    write_labels("_sem_label.npy", labels.nyu40);
   }
 
   void write_rest() override { write_lists(root() / "meta_data", "scannetv2_", ".txt"); }

@@ -79,7 +79,14 @@ struct SunRgbdAnnotation {
 /// Reads the struct array SUNRGBDMeta (MATLAB 5 format) of the toolbox' annotations
 /// (SUNRGBDMeta3DBB_v2.mat and its first version). Boxes are made of centroid, basis and
 /// coefficients; the basis vector nearest to `orientation` is the heading. Boxes that are not valid
-/// are left out. Throws IoError, FormatError.
+/// are left out, and so are elements without Rtilt and K. The sizes that the file claims are compared
+/// with its bytes first. Throws IoError, FormatError.
 std::vector<SunRgbdAnnotation> read_sunrgbd_toolbox(const std::filesystem::path& path);
+
+/// Writes such a file with one element for each number from 1 to the largest; those without an
+/// annotation stay empty. Boxes must stand upright. Throws InvalidArgument for tilted boxes and for
+/// numbers that are 0, doubled or above 99999; IoError.
+void write_sunrgbd_toolbox(const std::filesystem::path& path,
+                           std::span<const SunRgbdAnnotation> annotations);
 
 }  // namespace arbox::io

@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <array>
 
 #include "arbox/base/error.h"
 #include "arbox/io/file.h"
 #include "arbox/io/internal/colored_rows.h"
 #include "arbox/io/internal/dataset_layouts.h"
 #include "arbox/io/internal/mat_file.h"
+#include "arbox/io/internal/sunrgbd_files.h"
 #include "arbox/io/kitti_dataset.h"
 #include "arbox/io/sunrgbd.h"
 
@@ -16,17 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kDigits = 6;
 constexpr const char* kCloudVariable = "instance";
-constexpr std::array<std::string_view, 3> kImages = {".jpg", ".jpeg", ".png"};
-
-/// 5051 is scene 005051.
-std::string scene_name(const std::string& listed) {
-  const bool number = std::all_of(listed.begin(), listed.end(),
-                                  [](unsigned char letter) { return std::isdigit(letter) != 0; });
-  return number && listed.size() < kDigits ? std::string(kDigits - listed.size(), '0') + listed
-                                           : listed;
-}
 
 class SunRgbdReader : public ListedDataset {
  public:
@@ -36,7 +26,7 @@ class SunRgbdReader : public ListedDataset {
         all_classes_(options.classes == "all") {
     for (const std::string& split : names_in(folder, "_data_idx.txt")) {
       std::vector<std::string> names = read_kitti_split(folder / (split + "_data_idx.txt"));
-      std::transform(names.begin(), names.end(), names.begin(), scene_name);
+      std::transform(names.begin(), names.end(), names.begin(), sunrgbd_scene_name);
       add_split(split, std::move(names));
     }
     add_split(std::string(kAllScenes), names_in(folder / "depth", ".mat"));
@@ -51,13 +41,7 @@ class SunRgbdReader : public ListedDataset {
   LabeledScene load(std::string_view, std::string_view name) const override {
     LabeledScene scene{.name = std::string(name), .frame = SceneFrame::kRoom};
     scene.source = root() / "depth" / (scene.name + ".mat");
-    read_file(scene.source, 0);
-    MatMatrix matrix = read_mat_matrix(scene.source, kCloudVariable);
-    if (matrix.columns != 6 && matrix.columns != 3) {
-      throw FormatError(scene.source.string() + ": expected rows x y z r g b, got " +
-                        std::to_string(matrix.columns) + " columns");
-    }
-    scene.cloud = colored_cloud(std::move(matrix.values), matrix.columns);
+    scene.cloud = read_sunrgbd_depth(scene.source);
     read_labels(scene);
     read_photo(scene);
     return scene;
@@ -78,7 +62,7 @@ class SunRgbdReader : public ListedDataset {
 
   void read_photo(LabeledScene& scene) const {
     const fs::path calibration = root() / "calib" / (scene.name + ".txt");
-    const fs::path image = first_file(root() / "image", scene.name, kImages);
+    const fs::path image = first_file(root() / "image", scene.name, kSunRgbdImages);
     if (image.empty() || !fs::exists(calibration)) return;
     scene.photo = {.path = image,
                    .projection = projection_of(
@@ -101,8 +85,7 @@ class SunRgbdWriter : public AccountingWriter {
     const auto file = [&](const char* part, const std::string& ending) {
       return root() / part / (scene.name + ending);
     };
-    write_mat_matrix(file("depth", ".mat"), kCloudVariable,
-                     {scene.cloud.size(), 6, colored_rows(scene.cloud, 1.0F)});
+    write_sunrgbd_depth(file("depth", ".mat"), scene.cloud);
     if (scene.labelled) {
       std::vector<SunRgbdLabel> labels;
       for (const LabeledObject& object : scene.objects) labels.push_back(to_sunrgbd_label(object));
@@ -120,6 +103,19 @@ class SunRgbdWriter : public AccountingWriter {
 };
 
 }  // namespace
+
+geometry::PointCloud read_sunrgbd_depth(const fs::path& path) {
+  MatMatrix matrix = read_mat_matrix(path, kCloudVariable);
+  if (matrix.columns != 6 && matrix.columns != 3) {
+    throw FormatError(path.string() + ": expected rows x y z r g b, got " +
+                      std::to_string(matrix.columns) + " columns");
+  }
+  return colored_cloud(std::move(matrix.values), matrix.columns);
+}
+
+void write_sunrgbd_depth(const fs::path& path, const geometry::PointCloud& cloud) {
+  write_mat_matrix(path, kCloudVariable, {cloud.size(), 6, colored_rows(cloud, 1.0F)});
+}
 
 bool fits_sunrgbd(const Folder& root) {
   return fs::is_directory(root / "depth") &&

@@ -1,12 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <set>
 
 #include "arbox/base/error.h"
-#include "arbox/io/internal/colored_rows.h"
-#include "arbox/io/internal/dataset_layouts.h"
 #include "arbox/io/internal/mat_access.h"
-#include "arbox/io/internal/mat_file.h"
 #include "arbox/io/internal/text.h"
 #include "arbox/io/sunrgbd.h"
 
@@ -45,7 +42,8 @@ class MatStruct {
   std::vector<double> numbers(const char* name, std::size_t count) const {
     const matvar_t* field = find(name);
     if (field == nullptr || field->class_type != MAT_C_DOUBLE || field->isComplex != 0 ||
-        field->data == nullptr || field->data_type != MAT_T_DOUBLE || count_of(*field) != count) {
+        field->data == nullptr || field->data_type != MAT_T_DOUBLE || count_of(*field) != count ||
+        field->nbytes < count * sizeof(double)) {
       refuse(name, std::to_string(count) + " numbers");
     }
     const auto* data = static_cast<const double*>(field->data);
@@ -57,13 +55,17 @@ class MatStruct {
     if (field == nullptr || field->class_type != MAT_C_CHAR || field->data == nullptr) {
       refuse(name, "text");
     }
-    const std::size_t count = count_of(*field);
+    const bool wide = field->data_type == MAT_T_UINT16 || field->data_type == MAT_T_UTF16;
+    // UTF-8 takes more bytes than characters.
+    const std::size_t held = field->nbytes / (wide ? 2 : 1);
+    const std::size_t count =
+        field->data_type == MAT_T_UTF8 ? held : std::min(count_of(*field), held);
     std::string result;
     for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t unit = field->data_type == MAT_T_UINT16 || field->data_type == MAT_T_UTF16;
-      result += unit != 0 ? static_cast<char>(static_cast<const std::uint16_t*>(field->data)[i])
-                          : static_cast<const char*>(field->data)[i];
+      result += wide ? static_cast<char>(static_cast<const std::uint16_t*>(field->data)[i])
+                     : static_cast<const char*>(field->data)[i];
     }
+    result.resize(result.find_last_not_of('\0') + 1);
     return result;
   }
 
@@ -145,103 +147,106 @@ SunRgbdAnnotation read_annotation(const MatStruct& item, std::size_t number) {
   return result;
 }
 
+constexpr std::size_t kMostImages = 99999;
+// As libmatio takes them, with a null pointer at the end.
+constexpr const char* kMetaFields[] = {"sequenceName", "groundtruth3DBB", "K",
+                                       "Rtilt",        "valid",           nullptr};
+constexpr const char* kObjectFields[] = {"basis",       "coeffs", "centroid", "classname",
+                                         "orientation", "gtBb2D", nullptr};
+
+internal::MatVariable struct_array(const char* name, std::size_t count,
+                                   const char* const* fields) {
+  const std::size_t sizes[2] = {1, count};
+  return internal::MatVariable(Mat_VarCreateStruct2(name, 2, sizes, fields));
+}
+
+void set_field(matvar_t& array, const char* field, std::size_t index, matio_classes kind,
+               matio_types type, std::array<std::size_t, 2> sizes, const void* data) {
+  // The library copies the data.
+  matvar_t* value =
+      Mat_VarCreate(field, kind, type, 2, sizes.data(), const_cast<void*>(data), 0);
+  Mat_VarSetStructFieldByName(&array, field, index, value);
+}
+
+void set_numbers(matvar_t& array, const char* field, std::size_t index,
+                 std::span<const double> values, std::size_t rows = 1) {
+  set_field(array, field, index, MAT_C_DOUBLE, MAT_T_DOUBLE, {rows, values.size() / rows},
+            values.data());
+}
+
+void set_text(matvar_t& array, const char* field, std::size_t index, const std::string& text) {
+  set_field(array, field, index, MAT_C_CHAR, MAT_T_UTF8, {1, text.size()}, text.data());
+}
+
+void set_object(matvar_t& array, std::size_t index, const LabeledObject& object) {
+  const SunRgbdLabel label = to_sunrgbd_label(object);
+  const Eigen::Vector2d ahead = label.heading.normalized();
+  Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();
+  // Across the heading, along it, up, as the half sizes come.
+  basis.row(0) << ahead.y(), -ahead.x(), 0.0;
+  basis.row(1) << ahead.x(), ahead.y(), 0.0;
+  set_numbers(array, "basis", index, {basis.data(), 9}, 3);
+  set_numbers(array, "coeffs", index, {label.half_size.data(), 3});
+  set_numbers(array, "centroid", index, {label.center.data(), 3});
+  set_text(array, "classname", index, object.label.empty() ? "object" : object.label);
+  const std::array<double, 3> orientation = {ahead.x(), ahead.y(), 0.0};
+  set_numbers(array, "orientation", index, orientation);
+  if (!object.attributes.contains("right")) return;
+  const std::array<double, 4> image = {label.left, label.top, label.width, label.height};
+  set_numbers(array, "gtBb2D", index, image);
+}
+
+void set_image(matvar_t& meta, const SunRgbdAnnotation& annotation) {
+  const std::size_t index = annotation.number - 1;
+  set_text(meta, "sequenceName", index, std::to_string(annotation.number));
+  set_numbers(meta, "Rtilt", index, {annotation.calibration.tilt.data(), 9}, 3);
+  set_numbers(meta, "K", index, {annotation.calibration.intrinsic.data(), 9}, 3);
+  const double valid = 1.0;
+  set_numbers(meta, "valid", index, {&valid, 1});
+  if (annotation.objects.empty()) return;
+  internal::MatVariable objects =
+      struct_array("groundtruth3DBB", annotation.objects.size(), kObjectFields);
+  for (std::size_t i = 0; i < annotation.objects.size(); ++i) {
+    set_object(*objects, i, annotation.objects[i]);
+  }
+  Mat_VarSetStructFieldByName(&meta, "groundtruth3DBB", index, objects.release());
+}
+
 }  // namespace
 
 std::vector<SunRgbdAnnotation> read_sunrgbd_toolbox(const fs::path& path) {
+  const internal::MatFile file(path);
   const std::scoped_lock lock(internal::mat_mutex());
-  const internal::MatFile file = internal::open_mat(path);
-  const internal::MatVariable variable(Mat_VarRead(file.get(), kAnnotationsVariable));
-  if (!variable || variable->class_type != MAT_C_STRUCT) {
+  const internal::MatVariable variable = internal::read_variable(file, path, kAnnotationsVariable);
+  if (variable->class_type != MAT_C_STRUCT) {
     throw FormatError(path.string() + ": expected an array of structs " + kAnnotationsVariable);
   }
   std::vector<SunRgbdAnnotation> result;
   for (std::size_t i = 0; i < count_of(*variable); ++i) {
-    const MatStruct item(
-        variable.get(), i,
-        path.string() + ": " + kAnnotationsVariable + "(" + std::to_string(i + 1) + ")");
+    const MatStruct item(variable.get(), i,
+                         path.string() + ": " + kAnnotationsVariable + "(" + std::to_string(i + 1) + ")");
+    // Numbers without an image are left empty.
+    if (item.find("Rtilt") == nullptr && item.find("K") == nullptr) continue;
     result.push_back(read_annotation(item, i + 1));
   }
   return result;
 }
 
-namespace internal {
-namespace {
-
-constexpr std::array<std::string_view, 2> kMetaFiles = {"SUNRGBDMeta3DBB_v2.mat",
-                                                        "SUNRGBDMeta3DBB.mat"};
-
-fs::path meta_file(const Folder& root) {
-  const std::array<std::string_view, 1> as_it_is = {""};
-  for (const std::string_view name : kMetaFiles) {
-    const fs::path path = first_file(root, name, as_it_is);
-    if (!path.empty()) return path;
+void write_sunrgbd_toolbox(const fs::path& path, std::span<const SunRgbdAnnotation> annotations) {
+  std::set<std::size_t> numbers;
+  for (const SunRgbdAnnotation& annotation : annotations) {
+    if (annotation.number < 1 || annotation.number > kMostImages ||
+        !numbers.insert(annotation.number).second) {
+      throw InvalidArgument("write_sunrgbd_toolbox: expected each number from 1 to " +
+                            std::to_string(kMostImages) + " once, got " +
+                            std::to_string(annotation.number));
+    }
   }
-  return {};
+  const std::scoped_lock lock(internal::mat_mutex());
+  const internal::MatVariable meta =
+      struct_array(kAnnotationsVariable, numbers.empty() ? 0 : *numbers.rbegin(), kMetaFields);
+  for (const SunRgbdAnnotation& annotation : annotations) set_image(*meta, annotation);
+  internal::write_variable(path, meta);
 }
 
-std::string six_digits(std::size_t number) {
-  std::string text = std::to_string(number);
-  return std::string(text.size() < 6 ? 6 - text.size() : 0, '0') + text;
-}
-
-class ToolboxReader : public ListedDataset {
- public:
-  ToolboxReader(const Folder& folder, const DatasetOptions& options)
-      : ListedDataset(folder), all_classes_(options.classes == "all") {
-    source_ = meta_file(folder);
-    if (source_.empty()) {
-      throw IoError(folder.string() + ": expected SUNRGBDMeta3DBB_v2.mat of the toolbox");
-    }
-    std::vector<std::string> all;
-    for (SunRgbdAnnotation& annotation : read_sunrgbd_toolbox(source_)) {
-      all.push_back(six_digits(annotation.number));
-      annotations_.emplace(all.back(), std::move(annotation));
-    }
-    add_split(std::string(kAllScenes), std::move(all));
-  }
-
-  std::string_view layout() const override { return "sunrgbd-toolbox"; }
-  SceneFrame frame() const override { return SceneFrame::kRoom; }
-  std::vector<std::string> classes() const override {
-    return all_classes_ ? std::vector<std::string>{} : sunrgbd_class_names();
-  }
-
-  LabeledScene load(std::string_view split, std::string_view name) const override {
-    require_scene(split, name);
-    const SunRgbdAnnotation& annotation = annotations_.at(std::string(name));
-    LabeledScene scene{.name = std::string(name), .source = source_, .frame = SceneFrame::kRoom};
-    const auto known = sunrgbd_class_names();
-    for (const LabeledObject& object : annotation.objects) {
-      if (all_classes_ || std::find(known.begin(), known.end(), object.label) != known.end()) {
-        scene.objects.push_back(object);
-      }
-    }
-    const fs::path depth = root() / "depth" / (scene.name + ".mat");
-    if (fs::exists(depth)) {
-      MatMatrix matrix = read_mat_matrix(depth, "instance");
-      scene.cloud = colored_cloud(std::move(matrix.values), matrix.columns);
-      scene.source = depth;
-    }
-    const fs::path image = root() / "image" / (scene.name + ".jpg");
-    if (fs::exists(image)) {
-      scene.photo = {.path = image, .projection = projection_of(annotation.calibration)};
-    }
-    return scene;
-  }
-
- private:
-  bool all_classes_;
-  fs::path source_;
-  std::map<std::string, SunRgbdAnnotation> annotations_;
-};
-
-}  // namespace
-
-bool fits_sunrgbd_toolbox(const Folder& root) { return !meta_file(root).empty(); }
-
-Reader open_sunrgbd_toolbox(const Folder& root, const DatasetOptions& options) {
-  return std::make_unique<ToolboxReader>(root, options);
-}
-
-}  // namespace internal
 }  // namespace arbox::io

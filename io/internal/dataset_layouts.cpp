@@ -186,6 +186,12 @@ WriteReport AccountingWriter::finish() {
   return report_;
 }
 
+void AccountingWriter::note(const std::string& what, std::size_t count) {
+  if (count == 0) return;
+  const std::scoped_lock lock(mutex_);
+  report_.notes[what] += count;
+}
+
 std::size_t AccountingWriter::class_number(const LabeledObject& object) const {
   const auto found = std::find(form_.classes.begin(), form_.classes.end(), object.label);
   return static_cast<std::size_t>(found - form_.classes.begin());

@@ -76,6 +76,9 @@ class AccountingWriter : public DatasetWriter {
   void write_lists(const Folder& folder, const std::string& prefix,
                    const std::string& suffix) const;
 
+  /// Tells in the report that something changed, `what` in words that a count stands before.
+  void note(const std::string& what, std::size_t count = 1);
+
   /// Writes a scene whose objects fit. May be called by several threads.
   virtual void write(const std::string& split, const LabeledScene& scene) = 0;
   virtual void write_rest() = 0;
@@ -128,6 +131,7 @@ struct NewDataset {
   Folder root;
   SceneFrame frame;
   std::vector<std::string> classes;
+  DatasetWriteOptions options;
 };
 
 Writer create_arbox(const NewDataset& dataset);
@@ -135,6 +139,13 @@ Writer create_kitti(const NewDataset& dataset);
 Writer create_scannet_votenet(const NewDataset& dataset);
 Writer create_sunrgbd(const NewDataset& dataset);
 Writer create_sunrgbd_votenet(const NewDataset& dataset);
+Writer create_sunrgbd_toolbox(const NewDataset& dataset);
+Writer create_scannet_raw(const NewDataset& dataset);
+Writer create_mmdet3d_scannet(const NewDataset& dataset);
+Writer create_mmdet3d_sunrgbd(const NewDataset& dataset);
 Writer create_cob3d(const NewDataset& dataset);
+Writer create_cob3d_v2(const NewDataset& dataset);
+Writer create_labelcloud(const NewDataset& dataset);
+Writer create_cvat(const NewDataset& dataset);
 
 }  // namespace arbox::io::internal

@@ -86,11 +86,19 @@ std::vector<std::vector<std::uint8_t>> masks_of(const RgbdImages& images, const 
                                                 const std::string& place) {
   const std::size_t count = masks.shape().empty() ? 0 : masks.shape()[0];
   require_shape(masks, planes(images, count), place, "masks");
-  const std::vector<float> values = masks.values<float>();
   const std::size_t pixels = images.depth.size();
   std::vector<std::vector<std::uint8_t>> result(count, std::vector<std::uint8_t>(pixels));
-  for (std::size_t n = 0; n < count; ++n) {
-    for (std::size_t i = 0; i < pixels; ++i) result[n][i] = values[n * pixels + i] > 0.5F ? 1 : 0;
+  const NumberType type = masks.header().type;
+  const bool bytes = type == NumberType::kBool || type == NumberType::kUint8;
+  if (bytes && !masks.header().fortran_order) {
+    // As they lie, with no copy between.
+    const std::string_view data = masks.data();
+    for (std::size_t i = 0; i < data.size(); ++i) result[i / pixels][i % pixels] = data[i] != 0;
+    return result;
+  }
+  const std::vector<float> values = masks.values<float>();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    result[i / pixels][i % pixels] = values[i] > 0.5F ? 1 : 0;
   }
   return result;
 }
@@ -105,6 +113,58 @@ void fill_cloud(LabeledScene& scene) {
       if (masks[n][static_cast<std::size_t>(pixel)] != 0) object = static_cast<std::int32_t>(n);
     }
     scene.point_objects.push_back(object);
+  }
+}
+
+template <class Number>
+std::string plane_array(const std::vector<Number>& pixels, float scale, std::size_t height,
+                        std::size_t width) {
+  const std::size_t count = pixels.size() / 3;
+  std::vector<float> result(pixels.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      result[c * count + i] = static_cast<float>(pixels[3 * i + c]) / scale;
+    }
+  }
+  return encode_npy<float>(result, {3, height, width});
+}
+
+template std::string plane_array(const std::vector<float>&, float, std::size_t, std::size_t);
+template std::string plane_array(const std::vector<std::uint8_t>&, float, std::size_t,
+                                 std::size_t);
+
+std::string mask_array(const std::vector<std::vector<std::uint8_t>>& masks, std::size_t height,
+                       std::size_t width) {
+  std::vector<std::uint8_t> all;
+  for (const auto& mask : masks) all.insert(all.end(), mask.begin(), mask.end());
+  return encode_npy<std::uint8_t>(all, {masks.size(), height, width});
+}
+
+void require_cob3d_writable(const LabeledScene& scene, const std::string& where) {
+  const std::string place = where + ": scene " + scene.name;
+  if (scene.frame != SceneFrame::kCamera || !scene.images) {
+    throw InvalidArgument(place +
+                          ": expected images in the frame camera; COB-3D's layout holds "
+                          "depth images, no clouds");
+  }
+  const RgbdImages& images = *scene.images;
+  const auto pixels = static_cast<std::size_t>(images.width) * images.height;
+  const auto fits = [&](std::size_t size, std::size_t channels) {
+    return size == 0 || size == channels * pixels;
+  };
+  if (images.depth.size() != pixels || !fits(images.rgb.size(), 3) ||
+      !fits(images.normals.size(), 3)) {
+    throw InvalidArgument(place + ": expected images of one size");
+  }
+  if (images.visible_masks.size() != images.amodal_masks.size()) {
+    throw InvalidArgument(place + ": expected one mask of each kind an object");
+  }
+  for (const auto* masks : {&images.visible_masks, &images.amodal_masks}) {
+    const bool sized = std::all_of(masks->begin(), masks->end(),
+                                   [&](const auto& mask) { return mask.size() == pixels; });
+    if ((!masks->empty() && masks->size() != scene.objects.size()) || !sized) {
+      throw InvalidArgument(place + ": expected one mask of the image's size an object");
+    }
   }
 }
 

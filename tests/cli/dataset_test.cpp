@@ -51,7 +51,7 @@ TEST(DatasetCommands, ConvertRenamesAndLeavesOutClasses) {
   EXPECT_NE(result.errors.find("3 objects of class Cyclist were left out"), std::string::npos)
       << result.errors;
   expect_one_line_error(run_arbox({"convert", folder.path().string(), out}), 1, {"new or empty"});
-  EXPECT_EQ(run_arbox({"convert", out, (folder / "x").string(), "--to-layout", "cvat"}).exit_code,
+  EXPECT_EQ(run_arbox({"convert", out, (folder / "x").string(), "--to-layout", "nuscenes"}).exit_code,
             2);
 }
 
@@ -103,6 +103,89 @@ TEST(EvaluateBoxes, PrintsTheMeans) {
   expect_one_line_error(
       run_arbox({"evaluate", "boxes", "--labels", truth.string(), "--predictions", one.string()}),
       1, {"object 1"});
+}
+
+TEST(EvaluateBoxes, TakesEveryFormThatIsWritten) {
+  const TemporaryDirectory folder;
+  const std::string box = R"({"center": [0, 0, 0], "size": [1, 1, 1], "yaw": 0})";
+  const std::string wide = R"({"center": [0, 0, 0], "size": [2, 1, 1], "yaw": 0})";
+  const auto scan = [](const std::string& source, const std::string& boxes) {
+    return R"({"source": ")" + source + R"(", "detections": [)" + boxes + "]}\n";
+  };
+  const auto one = [](const std::string& b) { return R"({"box": )" + b + "}"; };
+  const auto mean_iou = [&](const std::filesystem::path& labels,
+                            const std::filesystem::path& predictions,
+                            std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = {"evaluate",      "boxes",
+                                          "--labels",      labels.string(),
+                                          "--predictions", predictions.string(),
+                                          "--json",        "-"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = run_arbox(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    return result.exit_code == 0 ? json::parse(result.output).at("mean_iou").get<double>() : -1.0;
+  };
+  const auto csv = folder.write("t.csv", "x,y,z,l,w,h,yaw\n0,0,0,1,1,1,0\n0,0,0,1,1,1,0\n");
+  const auto found = folder.write("p.json", scan("a.bin", one(box) + "," + one(wide)));
+  EXPECT_DOUBLE_EQ(mean_iou(csv, found), 0.75);
+  const auto own = folder.write("own.json", R"({"objects": [{"class": "a", "box": )" + box +
+                                                R"(}, {"class": "a", "box": )" + wide + "}]}");
+  EXPECT_DOUBLE_EQ(mean_iou(own, found), 1.0);
+  const auto text = folder.write("own.txt", "0 0 0 1 1 1 0 a\n0 0 0 1 1 1 0 a\n");
+  EXPECT_DOUBLE_EQ(mean_iou(text, found), 0.75);
+  // Several scans are matched by their names, whatever their order and folders.
+  const auto truth = folder.write("t.jsonl", scan("x/b.bin", one(wide)) + scan("x/a.bin", one(box)));
+  const auto lines = folder.write("p.jsonl", scan("a.bin", one(box)) + scan("b.bin", one(wide)));
+  EXPECT_DOUBLE_EQ(mean_iou(truth, lines), 1.0);
+  const auto evaluate = [&](const std::filesystem::path& labels,
+                            const std::filesystem::path& predictions) {
+    return run_arbox({"evaluate", "boxes", "--labels", labels.string(), "--predictions",
+                      predictions.string()});
+  };
+  const auto other = folder.write("o.jsonl", scan("a.bin", one(box)) + scan("c.bin", one(wide)));
+  expect_one_line_error(evaluate(truth, other), 1, {"o.jsonl", "scan b", "got none"});
+  const auto more = folder.write("m.jsonl", scan("a.bin", one(box) + "," + one(box)) +
+                                                scan("b.bin", one(wide)));
+  expect_one_line_error(evaluate(truth, more), 1, {"m.jsonl", "one more of scan a"});
+  expect_one_line_error(evaluate(csv, folder.write("n.json", scan("a", one(box)))), 1,
+                        {"n.json", "each of the 2", "got 1"});
+  // What arbox detect writes in KITTI's form, against KITTI's labels.
+  testing::make_kitti(folder);
+  const auto labels = folder / "training/label_2/000001.txt";
+  std::string results;
+  for (const std::string line :
+       {"Car 0.00 0 1.20 100.00 150.00 200.00 250.00 1.50 1.75 4.25 -2.50 1.75 20.00 1.10 0.9\n",
+        "Cyclist 0 0 0.2 300 150 320 200 1.70 0.60 1.80 1.50 1.75 30.00 0.25 0.8\n"}) {
+    results += line;
+  }
+  EXPECT_NEAR(mean_iou(labels, folder.write("r.txt", results),
+                       {"--calib", (folder / "training/calib/000001.txt").string()}),
+              1.0, 1e-9);
+}
+
+TEST(DatasetCommands, ConvertWritesEveryLayout) {
+  const TemporaryDirectory folder;
+  testing::make_kitti(folder);
+  const std::string root = folder.path().string();
+  for (const std::string layout :
+       {"scannet", "scannet-votenet", "scannet-mmdet3d", "sunrgbd", "sunrgbd-votenet",
+        "sunrgbd-mmdet3d", "sunrgbd-toolbox", "labelcloud", "cvat", "arbox", "kitti"}) {
+    const std::string out = (folder / layout).string();
+    const auto result = run_arbox({"convert", root, out, "--to-layout", layout, "--class-map",
+                                   "Car=bed", "--class-map", "Cyclist=chair", "--infos", "1.0"});
+    EXPECT_EQ(result.exit_code, 0) << layout << result.errors;
+    EXPECT_NE(result.output.find("3 scenes, 6 objects"), std::string::npos) << result.output;
+    const auto info = run_arbox({"info", out, "--json"});
+    EXPECT_EQ(info.exit_code, 0) << layout << info.errors;
+    if (info.exit_code == 0) EXPECT_EQ(json::parse(info.output).at("layout"), layout);
+  }
+  const auto scannet = run_arbox({"convert", root, (folder / "again").string(), "--to-layout",
+                                  "scannet", "--class-map", "Car=bed"});
+  EXPECT_NE(scannet.errors.find("3 objects without points are lost"), std::string::npos)
+      << scannet.errors;
+  expect_one_line_error(
+      run_arbox({"convert", root, (folder / "bins").string(), "--to-layout", "cob3d"}), 1,
+      {"depth images, no clouds"});
 }
 
 }  // namespace

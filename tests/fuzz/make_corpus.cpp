@@ -12,11 +12,13 @@
 #include "arbox/base/error.h"
 #include "arbox/io/file.h"
 #include "arbox/io/internal/mat_file.h"
+#include "arbox/io/internal/mat_image.h"
 #include "arbox/io/internal/zip_archive.h"
 #include "arbox/io/model_archive.h"
 #include "arbox/io/npy.h"
 #include "arbox/io/npz.h"
 #include "arbox/io/point_cloud_file.h"
+#include "arbox/io/sunrgbd.h"
 
 namespace {
 
@@ -261,6 +263,15 @@ void make_rooms(const fs::path& root) {
   const fs::path file = root / "sunrgbd_toolbox" / "instance.mat";
   fs::create_directories(file.parent_path());
   arbox::io::internal::write_mat_matrix(file, "instance", {2, 3, {1, 2, 3, 4, 5, 6}});
+  const arbox::io::SunRgbdAnnotation image{
+      .number = 2,
+      .calibration = {},
+      .objects = {arbox::io::to_object(arbox::io::parse_sunrgbd_labels(
+          "bed 1 2 3 4 1 2 3 0.5 1 0.25 0.6 -0.8\n", "made")[0])}};
+  arbox::io::write_sunrgbd_toolbox(root / "sunrgbd_toolbox" / "packed.mat", {&image, 1});
+  write(root, "sunrgbd_toolbox", "plain.mat",
+        arbox::io::internal::unpacked_mat(
+            arbox::io::read_file(root / "sunrgbd_toolbox" / "packed.mat"), "made"));
   write(root, "mmdet3d", "old.pkl",
         "(lp0\n(dp1\nVpoint_cloud\n(dp2\nVlidar_idx\nI1\nssVannos\n(dp3\nVgt_num\nI0\nssa.");
   write(root, "mmdet3d", "new.pkl",
@@ -269,6 +280,20 @@ void make_rooms(const fs::path& root) {
         "F1\naF2\naF3\naF1\naF1\naF1\nasVbbox_label_3d\nI0\nsasas.");
   const std::vector<float> depth{1, 2, 0, 4};
   const std::vector<double> intrinsic{5, 0, 1, 0, 5, 1, 0, 0, 1};
+  const std::vector<double> row{1, 1, 1}, turn{1, 0, 0, 0};
+  const std::vector<std::uint8_t> mask{0, 1, 1, 0};
+  using arbox::io::encode_npy;
+  const auto first_version = [&](char part, const char* name, const auto& arrays) {
+    write(root, "cob3d", name, part + arbox::io::encode_npz(arrays));
+  };
+  using Arrays = std::vector<std::pair<std::string, std::string>>;
+  first_version('\0', "data", Arrays{{"depth", encode_npy<float>(depth, {2, 2})},
+                                     {"intrinsic", encode_npy<double>(intrinsic, {3, 3})}});
+  first_version('\1', "segm", Arrays{{"masks", encode_npy<std::uint8_t>(mask, {1, 2, 2})},
+                                     {"masks_amodal", encode_npy<float>(depth, {1, 2, 2})}});
+  first_version('\2', "bbox3d", Arrays{{"dimensions", encode_npy<double>(row, {1, 3})},
+                                       {"centers", encode_npy<double>(row, {1, 3})},
+                                       {"orientations", encode_npy<double>(turn, {1, 4})}});
   const std::string object = "{'descr': '|O', 'fortran_order': False, 'shape': ()}\n";
   write(root, "cob3d_v2", "scene.npz",
         arbox::io::encode_npz({{"depth_map", arbox::io::encode_npy<float>(depth, {2, 2})},

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <matio.h>
+#include <zlib.h>
 
 #include <fstream>
 
@@ -248,6 +249,83 @@ TEST(SunRgbd, ToolboxAnnotationsBecomeTheSameBoxesAsLabels) {
   const auto dataset = io::open_dataset(folder.path());
   EXPECT_EQ(dataset->layout(), "sunrgbd-toolbox");
   EXPECT_EQ(dataset->load("all", "000001").objects.size(), 1u);
+}
+
+TEST(SunRgbd, WrittenToolboxAnnotationsComeBack) {
+  const TemporaryDirectory folder;
+  const auto file = folder / "SUNRGBDMeta3DBB_v2.mat";
+  io::SunRgbdAnnotation annotation{.number = 3, .calibration = {}, .objects = {}};
+  annotation.calibration.intrinsic << 500, 0, 320, 0, 510, 240, 0, 0, 1;
+  annotation.objects = {
+      io::to_object(parse_sunrgbd_labels("bed 10 20 30 40 1 2 3 0.5 1 0.25 0.6 -0.8\n", "l")[0])};
+  annotation.objects[0].label = "coffee table \xC3\xA9";
+  io::write_sunrgbd_toolbox(file, {{annotation}});
+  const auto read = io::read_sunrgbd_toolbox(file);
+  ASSERT_EQ(read.size(), 1u);
+  EXPECT_EQ(read[0].number, 3u);
+  EXPECT_EQ(read[0].calibration.intrinsic, annotation.calibration.intrinsic);
+  EXPECT_EQ(read[0].objects[0].label, annotation.objects[0].label);
+  EXPECT_EQ(read[0].objects[0].attributes, annotation.objects[0].attributes);
+  EXPECT_LE((read[0].objects[0].box.size - annotation.objects[0].box.size).norm(), 1e-12);
+  EXPECT_LE(geometry::rotation_distance(read[0].objects[0].box.rotation,
+                                        annotation.objects[0].box.rotation),
+            1e-7);
+  io::write_sunrgbd_toolbox(file, {});
+  EXPECT_TRUE(io::read_sunrgbd_toolbox(file).empty());
+  expect_refusal([&] { io::write_sunrgbd_toolbox(file, std::vector(2, annotation)); }, {"3"});
+  annotation.objects[0].box.rotation = Eigen::AngleAxisd(1, Eigen::Vector3d::UnitX());
+  expect_refusal([&] { io::write_sunrgbd_toolbox(file, {{annotation}}); }, {"upright"});
+}
+
+/// A MAT-file of one uncompressed matrix `instance` of doubles that claims `rows` x `columns`.
+std::string claiming(std::uint32_t rows, std::uint32_t columns, std::uint32_t bytes = 48) {
+  std::string file = "MATLAB 5.0 MAT-file";
+  file.resize(124, ' ');
+  const auto word = [&](std::uint32_t value) {
+    file.append(reinterpret_cast<const char*>(&value), 4);
+  };
+  file += std::string("\0\1IM", 4);
+  word(14), word(56 + bytes);
+  word(6), word(8), word(6), word(0);
+  word(5), word(8), word(rows), word(columns);
+  word(1), word(8);
+  file += "instance";
+  word(9), word(bytes);
+  return file + std::string(bytes, '\0');
+}
+
+TEST(SunRgbd, SizesThatAMatFileClaimsAreComparedWithItsBytes) {
+  const TemporaryDirectory folder;
+  const auto read = [&](const std::string& content) {
+    return io::read_sunrgbd_toolbox(folder.write("a.mat", content));
+  };
+  // Read as far as to the missing variable: all sizes fit.
+  expect_refusal([&] { read(claiming(1, 6)); }, {"a.mat", "SUNRGBDMeta"});
+  for (const auto& [rows, columns] : {std::pair{2, 6}, {1 << 30, 6}, {-1, 6}, {1 << 30, 1 << 30}}) {
+    expect_refusal([&] { read(claiming(rows, columns)); }, {"a.mat", "expected"});
+  }
+  std::string longer = claiming(1, 6);
+  longer[132] = 127;
+  expect_refusal([&] { read(longer); }, {"bytes to lie in"});
+  std::string sparse = claiming(1, 6);
+  sparse[144] = 5;
+  expect_refusal([&] { read(sparse); }, {"sparse", "class 5"});
+  std::string big_endian = claiming(1, 6);
+  std::swap(big_endian[126], big_endian[127]);
+  expect_refusal([&] { read(big_endian); }, {"little-endian"});
+  // 64 MB of zeros in 64 kB.
+  std::string bomb = claiming(1, 8 << 20, 64 << 20).substr(128), packed(1 << 20, '\0');
+  uLongf size = packed.size();
+  ASSERT_EQ(compress(reinterpret_cast<Bytef*>(packed.data()), &size,
+                     reinterpret_cast<const Bytef*>(bomb.data()), bomb.size()),
+            Z_OK);
+  packed.resize(size);
+  const auto length = static_cast<std::uint32_t>(size);
+  std::string file = claiming(1, 6).substr(0, 128) + std::string("\x0F\0\0\0", 4);
+  file.append(reinterpret_cast<const char*>(&length), 4).append(packed);
+  expect_refusal([&] { read(file); }, {"unpack to 4"});
+  file.resize(file.size() / 2);
+  expect_refusal([&] { read(file); }, {"a.mat"});
 }
 
 TEST(SunRgbd, BrokenMatFilesAreRefused) {

@@ -177,7 +177,7 @@ TEST(DatasetCommands, ConvertWritesEveryLayout) {
     EXPECT_NE(result.output.find("3 scenes, 6 objects"), std::string::npos) << result.output;
     const auto info = run_arbox({"info", out, "--json"});
     EXPECT_EQ(info.exit_code, 0) << layout << info.errors;
-    if (info.exit_code == 0) EXPECT_EQ(json::parse(info.output).at("layout"), layout);
+    EXPECT_NE(info.output.find("\"layout\": \"" + layout + "\""), std::string::npos);
   }
   const auto scannet = run_arbox({"convert", root, (folder / "again").string(), "--to-layout",
                                   "scannet", "--class-map", "Car=bed"});

@@ -131,6 +131,27 @@ TEST(Scene, HeadingMarksPointForward) {
   EXPECT_LT(inked_rows(ahead) + 10.0, inked_rows(back));
 }
 
+TEST(Scene, BoxesWithoutAFrontHaveNoHeadingMark) {
+  // Turned by half a turn a box without a front is the same picture, one with a front is not.
+  const auto drawn = [](double yaw, const std::vector<bool>& fronts) {
+    Scene scene;
+    scene.truth = {detection("Car", {0, 0, 0}, 1.0, yaw)};
+    scene.truth_has_front = fronts;
+    SceneOptions options = birdseye();
+    options.range = 8.0;
+    return draw_scene(scene, options).pixels;
+  };
+  const double half = std::acos(-1.0);
+  EXPECT_NE(drawn(0.0, {true}), drawn(half, {true}));
+  EXPECT_EQ(drawn(0.0, {true}), drawn(0.0, {}));
+  const auto one = drawn(0.0, {false}), other = drawn(half, {false});
+  std::size_t different = 0;
+  // Dashes begin at other corners.
+  for (std::size_t i = 0; i < one.size(); ++i) different += one[i] != other[i] ? 1 : 0;
+  EXPECT_LT(different, one.size() / 100);
+  EXPECT_NE(one, drawn(0.0, {true}));
+}
+
 TEST(Scene, TruthIsDashedAndPredictionsAreNot) {
   Scene predicted, labelled;
   predicted.predictions = labelled.truth = {detection("Car", {5, 0, 0})};
@@ -297,6 +318,9 @@ TEST(Scene, RefusesWhatDoesNotFit) {
   scene = {};
   scene.photo = forward_photo(50, 50);
   scene.photo->projection(0, 0) = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(draw_scene(scene), InvalidArgument);
+  scene = {};
+  scene.truth_has_front = {true};
   EXPECT_THROW(draw_scene(scene), InvalidArgument);
   PointCloud cloud;
   cloud.values = {0.0f, 0.0f, 0.0f};

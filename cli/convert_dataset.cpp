@@ -115,10 +115,9 @@ void convert_dataset(const DatasetConvertFlags& flags) {
   }
   const auto dataset = io::open_dataset(flags.input, flags.options);
   const auto jobs = plan(*dataset, flags.splits);
-  const auto writer =
-      io::create_dataset(flags.output, flags.layout, dataset->frame(),
-                         map.empty() ? dataset->classes() : std::vector<std::string>{},
-                         flags.write);
+  const auto writer = io::create_dataset(
+      flags.output, flags.layout, dataset->frame(),
+      map.empty() ? dataset->classes() : std::vector<std::string>{}, flags.write);
   std::atomic<std::size_t> broken = 0;
   Progress progress("convert", static_cast<std::int64_t>(jobs.size()));
   parallel_for(static_cast<std::int64_t>(jobs.size()), 1, 0,

@@ -1,6 +1,6 @@
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <filesystem>
+#include <iostream>
 #include <map>
 #include <memory>
 #include <optional>
@@ -129,8 +129,8 @@ std::vector<geometry::Box> in_order(const BoxList& predictions, const BoxList& t
   }
   if (predictions.boxes.size() != truth.boxes.size()) {
     throw FormatError(predictions.path.string() + ": expected one box for each of the " +
-                      std::to_string(truth.boxes.size()) + " in " + truth.path.string() +
-                      ", got " + std::to_string(predictions.boxes.size()));
+                      std::to_string(truth.boxes.size()) + " in " + truth.path.string() + ", got " +
+                      std::to_string(predictions.boxes.size()));
   }
   return predictions.boxes;
 }

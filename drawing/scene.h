@@ -107,8 +107,8 @@ struct SceneOptions {
 ///
 /// Throws ConfigError for options out of range; InvalidArgument for a height that is too small for
 /// the content, for colour by a channel that a non-empty cloud does not have, for invalid boxes,
-/// for a truth_has_front that is neither empty nor as long as truth, and for a photo whose projection
-/// is not finite.
+/// for a truth_has_front that is neither empty nor as long as truth, and for a photo whose
+/// projection is not finite.
 Image draw_scene(const Scene& scene, const SceneOptions& options = {});
 
 }  // namespace arbox::drawing

@@ -75,9 +75,9 @@ std::string format_labelcloud_vertices(std::span<const LabeledObject> objects,
     geometry::require_valid(box, "format_labelcloud_vertices");
     Json vertices = Json::array();
     for (const auto& sign : kVertexSigns) {
-      const Eigen::Vector3d half = 0.5 * Eigen::Vector3d(sign[0] * box.size.x(),
-                                                         sign[1] * box.size.y(),
-                                                         sign[2] * box.size.z());
+      const Eigen::Vector3d half =
+          0.5 *
+          Eigen::Vector3d(sign[0] * box.size.x(), sign[1] * box.size.y(), sign[2] * box.size.z());
       const Eigen::Vector3d vertex = box.center + box.rotation * half;
       vertices.push_back({vertex.x(), vertex.y(), vertex.z()});
     }

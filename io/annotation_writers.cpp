@@ -32,9 +32,9 @@ class LabelCloudWriter : public AccountingWriter {
   }
 
   void write_rest() override {
-    write_file(root() / "labels" / "_classes.json",
-               format_labelcloud_classes(
-                   std::vector<std::string>(classes_.begin(), classes_.end())));
+    write_file(
+        root() / "labels" / "_classes.json",
+        format_labelcloud_classes(std::vector<std::string>(classes_.begin(), classes_.end())));
   }
 
   std::mutex mutex_;

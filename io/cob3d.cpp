@@ -130,14 +130,14 @@ void write_cob3d_scene(const fs::path& folder, const LabeledScene& scene) {
     arrays.emplace_back("rgb", internal::plane_array(images.rgb, 255.0F, height, width));
   }
   if (!images.normals.empty()) {
-    arrays.emplace_back("normals",
-                        internal::plane_array(images.normals, 1.0F, height, width));
+    arrays.emplace_back("normals", internal::plane_array(images.normals, 1.0F, height, width));
   }
   write_file(folder / "data.npz", encode_npz(arrays));
   if (images.visible_masks.size() == scene.objects.size()) {
-    write_file(folder / "annotation" / "segm.npz",
-               encode_npz({{"masks", internal::mask_array(images.visible_masks, height, width)},
-                           {"masks_amodal", internal::mask_array(images.amodal_masks, height, width)}}));
+    write_file(
+        folder / "annotation" / "segm.npz",
+        encode_npz({{"masks", internal::mask_array(images.visible_masks, height, width)},
+                    {"masks_amodal", internal::mask_array(images.amodal_masks, height, width)}}));
   }
   if (scene.labelled) write_boxes(folder / "annotation" / "bbox3d.npz", scene);
 }

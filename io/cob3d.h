@@ -29,10 +29,10 @@ void write_cob3d_scene(const std::filesystem::path& folder, const LabeledScene& 
 /// read_cob3d_scene.
 LabeledScene read_cob3d_v2_scene(const std::filesystem::path& file);
 
-/// Writes such a file. Poses have unit axes, scales are 1, extents are half sizes. What a scene does
-/// not tell is written as plainly as the layout allows: the voxel grid of an object is one filled
-/// voxel, near and far plane are the least and largest depth, 2-D boxes are the hulls of the amodal
-/// masks; there are no meshes. Throws as write_cob3d_scene.
+/// Writes such a file. Poses have unit axes, scales are 1, extents are half sizes. What a scene
+/// does not tell is written as plainly as the layout allows: the voxel grid of an object is one
+/// filled voxel, near and far plane are the least and largest depth, 2-D boxes are the hulls of the
+/// amodal masks; there are no meshes. Throws as write_cob3d_scene.
 void write_cob3d_v2_scene(const std::filesystem::path& file, const LabeledScene& scene);
 
 }  // namespace arbox::io

@@ -103,8 +103,7 @@ void write_cob3d_v2_scene(const std::filesystem::path& file, const LabeledScene&
     members.emplace_back("rgb", internal::plane_array(images.rgb, 255.0F, height, width));
   }
   if (!images.normals.empty()) {
-    members.emplace_back("normal_map",
-                         internal::plane_array(images.normals, 1.0F, height, width));
+    members.emplace_back("normal_map", internal::plane_array(images.normals, 1.0F, height, width));
   }
   if (images.visible_masks.size() == scene.objects.size()) add_masks(members, images);
   if (scene.labelled) add_objects(members, scene);

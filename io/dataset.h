@@ -121,8 +121,8 @@ struct DatasetWriteOptions {
 /// Writes scenes in a dataset's layout. Objects that it cannot hold are fitted to it: in layouts of
 /// upright boxes a tilted box becomes the smallest upright one around it with the heading of its
 /// x axis, in layouts without rotation a turned one becomes its axis-aligned hull; objects of
-/// classes that the layout has no number for are left out. WriteReport counts them. What each layout
-/// cannot hold: docs/datasets/README.md.
+/// classes that the layout has no number for are left out. WriteReport counts them. What each
+/// layout cannot hold: docs/datasets/README.md.
 class DatasetWriter {
  public:
   virtual ~DatasetWriter();

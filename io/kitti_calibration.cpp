@@ -19,7 +19,7 @@ using internal::TextPlace;
 
 constexpr double kRotationTolerance = 1e-3;
 
-struct Entry {
+struct CalibrationEntry {
   std::vector<double> numbers;
   TextPlace place;
 };
@@ -38,8 +38,9 @@ std::size_t expected_numbers(std::string_view name) {
   return known ? 12 : 0;
 }
 
-std::map<std::string_view, Entry> read_entries(std::string_view text, std::string_view source) {
-  std::map<std::string_view, Entry> entries;
+std::map<std::string_view, CalibrationEntry> read_entries(std::string_view text,
+                                                          std::string_view source) {
+  std::map<std::string_view, CalibrationEntry> entries;
   LineReader lines(text, source);
   while (lines.next_filled()) {
     const auto fields = internal::split_white_space(lines.line());
@@ -52,7 +53,7 @@ std::map<std::string_view, Entry> read_entries(std::string_view text, std::strin
       refuse(lines.place(), std::to_string(count) + " numbers after " + std::string(name),
              std::to_string(fields.size() - 1));
     }
-    Entry entry{.numbers = {}, .place = lines.place()};
+    CalibrationEntry entry{.numbers = {}, .place = lines.place()};
     for (std::size_t i = 1; i < fields.size(); ++i) {
       entry.numbers.push_back(internal::parse_number(fields[i], name, lines.place()));
     }
@@ -74,8 +75,8 @@ void require_rotation(const Eigen::Matrix3d& r, std::string_view name, const Tex
   refuse(place, "a rotation matrix as " + std::string(name), came);
 }
 
-const Entry& required(const std::map<std::string_view, Entry>& entries, std::string_view name,
-                      std::string_view source) {
+const CalibrationEntry& required(const std::map<std::string_view, CalibrationEntry>& entries,
+                                 std::string_view name, std::string_view source) {
   const auto found = entries.find(name);
   if (found != entries.end()) return found->second;
   std::string there;
@@ -84,9 +85,9 @@ const Entry& required(const std::map<std::string_view, Entry>& entries, std::str
          there.empty() ? "none of the names of a calibration" : "only " + there);
 }
 
-Projection to_projection(const Entry& entry) { return Projection(entry.numbers.data()); }
+Projection to_projection(const CalibrationEntry& entry) { return Projection(entry.numbers.data()); }
 
-AffineTransform to_transform(const Entry& entry, std::string_view name) {
+AffineTransform to_transform(const CalibrationEntry& entry, std::string_view name) {
   const Projection matrix = to_projection(entry);
   require_rotation(matrix.leftCols<3>(), name, entry.place);
   AffineTransform transform = AffineTransform::Identity();
@@ -130,9 +131,9 @@ Projection image_from_lidar(const KittiCalibration& calibration) {
 KittiCalibration parse_kitti_calibration(std::string_view text, std::string_view source) {
   const auto entries = read_entries(text, source);
   KittiCalibration calibration;
-  const Entry& p2 = required(entries, "P2", source);
-  const Entry& r0 = required(entries, "R0_rect", source);
-  const Entry& velodyne = required(entries, "Tr_velo_to_cam", source);
+  const CalibrationEntry& p2 = required(entries, "P2", source);
+  const CalibrationEntry& r0 = required(entries, "R0_rect", source);
+  const CalibrationEntry& velodyne = required(entries, "Tr_velo_to_cam", source);
   for (int camera = 0; camera < 4; ++camera) {
     const auto found = entries.find("P" + std::to_string(camera));
     if (found != entries.end()) calibration.projections[camera] = to_projection(found->second);

@@ -13,7 +13,7 @@ namespace arbox::io {
 namespace {
 
 constexpr std::size_t kMostBoxes = 1000;
-constexpr std::size_t kLeastBoxes = 5;
+constexpr std::size_t kLeastImageBoxes = 5;
 constexpr double kSameNumber = 1e-6;
 
 std::vector<double> numbers_of(const PickleValue& value) {
@@ -221,7 +221,8 @@ std::optional<YawSense> find_yaw_sense(const std::vector<Mmdet3dInfo>& infos) {
       clockwise += image_overlap(box, -box[6], *info.projection, info.image_boxes[i]);
     }
   }
-  if (boxes >= kLeastBoxes && std::abs(clockwise - counter) > 0.02 * static_cast<double>(boxes)) {
+  if (boxes >= kLeastImageBoxes &&
+      std::abs(clockwise - counter) > 0.02 * static_cast<double>(boxes)) {
     return clockwise > counter ? YawSense::kClockwise : YawSense::kCounterClockwise;
   }
   for (const Mmdet3dInfo& info : infos) {

@@ -92,8 +92,7 @@ class InfosWriter : public AccountingWriter {
       }
     }
     if (record.image_boxes.size() != 4 * scene.objects.size()) record.image_boxes.clear();
-    const auto camera =
-        scene.photo ? calibration_of(scene.photo->projection) : std::nullopt;
+    const auto camera = scene.photo ? calibration_of(scene.photo->projection) : std::nullopt;
     if (camera && !scannet_) {
       record.image = scene.name + scene.photo->path.extension().string();
       record.image_size = scene.photo->size;

@@ -24,7 +24,7 @@ constexpr int kArchiveVersion = 1;
 
 constexpr char kManifest[] = "arbox.json";
 constexpr char kConfiguration[] = "configuration.yaml";
-constexpr char kCalibration[] = "calibration.json";
+constexpr char kCalibrationMember[] = "calibration.json";
 constexpr char kCard[] = "card.md";
 
 std::string text_entry(const std::string& name) { return "texts/" + name; }
@@ -94,9 +94,9 @@ std::string encode_manifest(const ModelArchive& archive) {
 }
 
 /// Gives the entries of an archive once each and tells those that nobody asked for.
-class Entries {
+class ModelEntries {
  public:
-  Entries(std::string_view bytes, const std::string& name)
+  ModelEntries(std::string_view bytes, const std::string& name)
       : name_(name), zip_(bytes, name, "an Arbox model") {
     const std::uint64_t limit = unpacked_limit(bytes.size());
     std::uint64_t total = 0;
@@ -201,7 +201,7 @@ std::string encode_model_archive(const ModelArchive& archive, bool deflate) {
     if (!text.empty()) members.push_back({entry, text});
   };
   add_text(kConfiguration, archive.configuration);
-  add_text(kCalibration, archive.calibration);
+  add_text(kCalibrationMember, archive.calibration);
   add_text(kCard, archive.card);
   for (const auto& [name, text] : archive.texts) members.push_back({text_entry(name), text});
   std::uint64_t size = 0;
@@ -222,14 +222,14 @@ void write_model_archive(const std::filesystem::path& path, const ModelArchive& 
 }
 
 ModelArchive parse_model_archive(std::string_view bytes, const std::string& name) {
-  Entries entries(bytes, name);
+  ModelEntries entries(bytes, name);
   if (!entries.has(kManifest)) {
     fail(name, std::string("expected an Arbox model, got a zip archive without ") + kManifest);
   }
   Manifest manifest = parse_manifest(entries.take(kManifest), entries.place(kManifest));
   ModelArchive archive{.kind = std::move(manifest.kind), .classes = std::move(manifest.classes)};
   if (entries.has(kConfiguration)) archive.configuration = entries.take(kConfiguration);
-  if (entries.has(kCalibration)) archive.calibration = entries.take(kCalibration);
+  if (entries.has(kCalibrationMember)) archive.calibration = entries.take(kCalibrationMember);
   if (entries.has(kCard)) archive.card = entries.take(kCard);
   for (const std::string& text : manifest.texts) {
     archive.texts[text] = entries.take(text_entry(text));

@@ -15,7 +15,8 @@ using namespace std::string_view_literals;
 
 constexpr char32_t kReplacement = 0xFFFD;
 constexpr std::string_view kReconstruct =
-    "cnumpy.core.multiarray\n_reconstruct\ncnumpy\nndarray\nK\0\x85" "C\1b\x87R"sv;
+    "cnumpy.core.multiarray\n_reconstruct\ncnumpy\nndarray\nK\0\x85"
+    "C\1b\x87R"sv;
 
 template <class T>
 std::string little_endian(T value, int size) {
@@ -38,8 +39,8 @@ std::u32string code_points(std::string_view utf8) {
       point = (point << 6) | (next & 0x3F);
     }
     constexpr char32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-    whole = whole && point >= kLeast[length] && point <= 0x10FFFF &&
-            (point < 0xD800 || point > 0xDFFF);
+    whole =
+        whole && point >= kLeast[length] && point <= 0x10FFFF && (point < 0xD800 || point > 0xDFFF);
     points += whole ? point : kReplacement;
     i += whole ? length : 1;
   }

@@ -56,8 +56,7 @@ std::vector<std::int64_t> parse_scannet_segments(std::string_view text, std::str
 /// What the two read, with the keys that ScanNet's own tools write.
 std::string format_scannet_aggregation(std::string_view scene,
                                        std::span<const ScanNetGroup> groups);
-std::string format_scannet_segments(std::string_view scene,
-                                    std::span<const std::int64_t> segments);
+std::string format_scannet_segments(std::string_view scene, std::span<const std::int64_t> segments);
 
 /// Reads the line `axisAlignment = ` (16 numbers, rows first) of SCENE.txt: from the scan's frame
 /// to the aligned one. Identity if there is no such line. Throws FormatError for other counts,

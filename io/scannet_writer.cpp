@@ -42,8 +42,7 @@ geometry::PointCloud mesh_of(const geometry::PointCloud& cloud) {
     const Eigen::Vector3f point = view.position(i);
     mesh.values.insert(mesh.values.end(), point.data(), point.data() + 3);
     for (const geometry::Channel* color : colors) {
-      mesh.values.push_back(color == nullptr ? 0.5F
-                                             : static_cast<float>(view.value(*color, i)));
+      mesh.values.push_back(color == nullptr ? 0.5F : static_cast<float>(view.value(*color, i)));
     }
   }
   return mesh;

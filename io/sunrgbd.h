@@ -79,8 +79,8 @@ struct SunRgbdAnnotation {
 /// Reads the struct array SUNRGBDMeta (MATLAB 5 format) of the toolbox' annotations
 /// (SUNRGBDMeta3DBB_v2.mat and its first version). Boxes are made of centroid, basis and
 /// coefficients; the basis vector nearest to `orientation` is the heading. Boxes that are not valid
-/// are left out, and so are elements without Rtilt and K. The sizes that the file claims are compared
-/// with its bytes first. Throws IoError, FormatError.
+/// are left out, and so are elements without Rtilt and K. The sizes that the file claims are
+/// compared with its bytes first. Throws IoError, FormatError.
 std::vector<SunRgbdAnnotation> read_sunrgbd_toolbox(const std::filesystem::path& path);
 
 /// Writes such a file with one element for each number from 1 to the largest; those without an

@@ -13,8 +13,8 @@ using internal::refuse;
 
 constexpr std::size_t kFields = 13;
 constexpr int kDecimals = 9;
-constexpr double kTiltTolerance = 1e-3;
-constexpr std::array<std::string_view, kFields> kNames = {
+constexpr double kRtiltTolerance = 1e-3;
+constexpr std::array<std::string_view, kFields> kSunRgbdFields = {
     "class", "left", "top", "width", "height", "cx", "cy", "cz", "c1", "c2", "c3", "ox", "oy"};
 
 SunRgbdLabel parse_line(const LineReader& lines) {
@@ -26,9 +26,9 @@ SunRgbdLabel parse_line(const LineReader& lines) {
   }
   std::array<double, kFields> v{};
   for (std::size_t i = 1; i < kFields; ++i) {
-    v[i] = internal::parse_number(fields[i], kNames[i], place);
+    v[i] = internal::parse_number(fields[i], kSunRgbdFields[i], place);
     if (i >= 8 && i < 11 && v[i] == 0.0) {
-      refuse(place, "a half size above zero as " + std::string(kNames[i]), "0");
+      refuse(place, "a half size above zero as " + std::string(kSunRgbdFields[i]), "0");
     }
   }
   if (v[11] == 0.0 && v[12] == 0.0) refuse(place, "a heading ox oy", "0 0");
@@ -138,7 +138,7 @@ SunRgbdCalibration parse_sunrgbd_calibration(std::string_view text, std::string_
   LineReader lines(text, source);
   SunRgbdCalibration calibration;
   calibration.tilt = parse_matrix(lines, "nine numbers of Rtilt, columns first");
-  if (!(calibration.tilt * calibration.tilt.transpose()).isIdentity(kTiltTolerance) ||
+  if (!(calibration.tilt * calibration.tilt.transpose()).isIdentity(kRtiltTolerance) ||
       calibration.tilt.determinant() < 0.0) {
     refuse(lines.place(), "a rotation as Rtilt", "a matrix that is none");
   }

@@ -154,8 +154,7 @@ constexpr const char* kMetaFields[] = {"sequenceName", "groundtruth3DBB", "K",
 constexpr const char* kObjectFields[] = {"basis",       "coeffs", "centroid", "classname",
                                          "orientation", "gtBb2D", nullptr};
 
-internal::MatVariable struct_array(const char* name, std::size_t count,
-                                   const char* const* fields) {
+internal::MatVariable struct_array(const char* name, std::size_t count, const char* const* fields) {
   const std::size_t sizes[2] = {1, count};
   return internal::MatVariable(Mat_VarCreateStruct2(name, 2, sizes, fields));
 }
@@ -163,8 +162,7 @@ internal::MatVariable struct_array(const char* name, std::size_t count,
 void set_field(matvar_t& array, const char* field, std::size_t index, matio_classes kind,
                matio_types type, std::array<std::size_t, 2> sizes, const void* data) {
   // The library copies the data.
-  matvar_t* value =
-      Mat_VarCreate(field, kind, type, 2, sizes.data(), const_cast<void*>(data), 0);
+  matvar_t* value = Mat_VarCreate(field, kind, type, 2, sizes.data(), const_cast<void*>(data), 0);
   Mat_VarSetStructFieldByName(&array, field, index, value);
 }
 
@@ -223,8 +221,9 @@ std::vector<SunRgbdAnnotation> read_sunrgbd_toolbox(const fs::path& path) {
   }
   std::vector<SunRgbdAnnotation> result;
   for (std::size_t i = 0; i < count_of(*variable); ++i) {
-    const MatStruct item(variable.get(), i,
-                         path.string() + ": " + kAnnotationsVariable + "(" + std::to_string(i + 1) + ")");
+    const MatStruct item(
+        variable.get(), i,
+        path.string() + ": " + kAnnotationsVariable + "(" + std::to_string(i + 1) + ")");
     // Numbers without an image are left empty.
     if (item.find("Rtilt") == nullptr && item.find("K") == nullptr) continue;
     result.push_back(read_annotation(item, i + 1));

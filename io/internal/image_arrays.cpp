@@ -130,8 +130,7 @@ std::string plane_array(const std::vector<Number>& pixels, float scale, std::siz
 }
 
 template std::string plane_array(const std::vector<float>&, float, std::size_t, std::size_t);
-template std::string plane_array(const std::vector<std::uint8_t>&, float, std::size_t,
-                                 std::size_t);
+template std::string plane_array(const std::vector<std::uint8_t>&, float, std::size_t, std::size_t);
 
 std::string mask_array(const std::vector<std::vector<std::uint8_t>>& masks, std::size_t height,
                        std::size_t width) {

@@ -103,8 +103,8 @@ void write_variable(const std::filesystem::path& path, const MatVariable& variab
   std::filesystem::path beside = path;
   beside += ".part" + std::to_string(::getpid());
   std::unique_ptr<mat_t, CloseMat> file(Mat_CreateVer(beside.c_str(), nullptr, MAT_FT_MAT5));
-  const bool written = file && variable &&
-                       Mat_VarWrite(file.get(), variable.get(), MAT_COMPRESSION_ZLIB) == 0;
+  const bool written =
+      file && variable && Mat_VarWrite(file.get(), variable.get(), MAT_COMPRESSION_ZLIB) == 0;
   file.reset();
   std::error_code error;
   if (!written) {

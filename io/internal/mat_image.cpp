@@ -17,15 +17,16 @@ constexpr std::size_t kMatHeader = 128;
 constexpr std::size_t kTagBytes = 8;
 constexpr std::size_t kLeastUnpacked = 4 << 20;
 constexpr std::size_t kUnpackedRatio = 64;
-constexpr std::size_t kPiece = 1 << 16;
+constexpr std::size_t kMatPiece = 1 << 16;
 constexpr int kDeepestMat = 16;
 constexpr std::uint64_t kMostElements = std::uint64_t{1} << 48;
 
 // Types of data elements.
-constexpr std::uint32_t kInt8 = 1, kInt32 = 5, kUint32 = 6, kMatrix = 14, kCompressed = 15,
-                        kUtf8 = 16, kUtf16 = 17, kUtf32 = 18;
+constexpr std::uint32_t kMatInt8 = 1, kMatInt32 = 5, kMatUint32 = 6, kMatMatrix = 14,
+                        kMatCompressed = 15, kMatUtf8 = 16, kMatUtf16 = 17, kMatUtf32 = 18;
 // Classes of arrays.
-constexpr std::uint32_t kCell = 1, kStruct = 2, kChar = 4, kFirstNumeric = 6, kLastNumeric = 15;
+constexpr std::uint32_t kMatCell = 1, kMatStruct = 2, kMatChar = 4, kMatFirstNumeric = 6,
+                        kMatLastNumeric = 15;
 
 std::uint32_t word(std::string_view bytes) {
   std::uint32_t value = 0;
@@ -70,7 +71,7 @@ class MatParts {
       size = word(rest_.substr(4));
       begin = kTagBytes;
       // Compressed elements alone are not filled up to eight bytes.
-      const std::size_t fill = element.type == kCompressed ? 0 : (8 - size % 8) % 8;
+      const std::size_t fill = element.type == kMatCompressed ? 0 : (8 - size % 8) % 8;
       step = kTagBytes + size + fill;
     }
     if (step > rest_.size()) {
@@ -99,14 +100,14 @@ void check_array(std::string_view bytes, int depth, const std::string& name);
 void check_arrays(MatParts& parts, std::uint64_t count, int depth, const std::string& name) {
   if (count > parts.left() / kTagBytes) parts.refuse("as many arrays as a size says");
   for (std::uint64_t i = 0; i < count; ++i) {
-    const MatElement element = parts.next(kMatrix, "an array");
+    const MatElement element = parts.next(kMatMatrix, "an array");
     if (element.small || element.data.size() % 8 != 0) parts.refuse("an array of whole words");
     if (!element.data.empty()) check_array(element.data, depth + 1, name);
   }
 }
 
 std::uint64_t read_count(MatParts& parts) {
-  const MatElement sizes = parts.next(kInt32, "sizes of an array");
+  const MatElement sizes = parts.next(kMatInt32, "sizes of an array");
   const std::size_t rank = sizes.data.size() / 4;
   if (sizes.small || sizes.data.size() % 4 != 0 || rank < 2 || rank > 32) {
     parts.refuse("2 to 32 sizes of an array");
@@ -123,7 +124,7 @@ std::uint64_t read_count(MatParts& parts) {
 
 void check_numbers(MatParts& parts, std::uint64_t count) {
   const MatElement numbers = parts.next();
-  const std::size_t width = numbers.type < kUtf8 ? width_of(numbers.type) : 0;
+  const std::size_t width = numbers.type < kMatUtf8 ? width_of(numbers.type) : 0;
   if (width == 0) parts.refuse("numbers of a known type");
   if (numbers.data.size() % width != 0 || numbers.data.size() / width != count) {
     parts.refuse(std::to_string(count) + " numbers, as the sizes say, not " +
@@ -134,20 +135,20 @@ void check_numbers(MatParts& parts, std::uint64_t count) {
 void check_text(MatParts& parts, std::uint64_t count) {
   const MatElement text = parts.next();
   const std::size_t width = width_of(text.type);
-  if (width == 0 || (text.type > 4 && text.type < kUtf8)) parts.refuse("characters");
+  if (width == 0 || (text.type > 4 && text.type < kMatUtf8)) parts.refuse("characters");
   const std::uint64_t units = text.data.size() / width;
   // A character of UTF-8 takes up to four bytes.
-  const std::uint64_t most = text.type == kUtf8 ? 4 * count : count;
+  const std::uint64_t most = text.type == kMatUtf8 ? 4 * count : count;
   if (text.data.size() % width != 0 || units < count || units > most) {
     parts.refuse(std::to_string(count) + " characters, as the sizes say");
   }
 }
 
 void check_struct(MatParts& parts, std::uint64_t count, int depth, const std::string& name) {
-  const MatElement length = parts.next(kInt32, "the length of field names");
+  const MatElement length = parts.next(kMatInt32, "the length of field names");
   if (!length.small || length.data.size() != 4) parts.refuse("the length of field names");
   const std::uint32_t size = word(length.data);
-  const MatElement names = parts.next(kInt8, "field names");
+  const MatElement names = parts.next(kMatInt8, "field names");
   if (size == 0 || size > 64 || names.small || names.data.size() % size != 0) {
     parts.refuse("field names of the length that it tells");
   }
@@ -168,25 +169,26 @@ void check_struct(MatParts& parts, std::uint64_t count, int depth, const std::st
 void check_array(std::string_view bytes, int depth, const std::string& name) {
   MatParts parts(bytes, name);
   if (depth > kDeepestMat) parts.refuse("at most " + std::to_string(kDeepestMat) + " levels");
-  const MatElement flags = parts.next(kUint32, "the flags of an array");
+  const MatElement flags = parts.next(kMatUint32, "the flags of an array");
   if (flags.data.size() != 8) parts.refuse("the flags of an array");
   const std::uint32_t kind = word(flags.data) & 0xFF;
   const bool complex = (word(flags.data) & 0x800) != 0;
   const std::uint64_t count = read_count(parts);
-  if (parts.next(kInt8, "a name").data.size() > 255) parts.refuse("a name of 255 bytes or less");
-  if (kind >= kFirstNumeric && kind <= kLastNumeric) {
+  if (parts.next(kMatInt8, "a name").data.size() > 255) parts.refuse("a name of 255 bytes or less");
+  if (kind >= kMatFirstNumeric && kind <= kMatLastNumeric) {
     check_numbers(parts, count);
     if (complex) check_numbers(parts, count);
-  } else if (kind == kChar) {
+  } else if (kind == kMatChar) {
     check_text(parts, count);
-  } else if (kind == kCell) {
+  } else if (kind == kMatCell) {
     check_arrays(parts, count, depth, name);
-  } else if (kind == kStruct) {
+  } else if (kind == kMatStruct) {
     check_struct(parts, count, depth, name);
   } else {
-    parts.refuse("numbers, text, cells or structs; objects, functions and sparse matrices are not "
-                 "read. Expected no class " +
-                 std::to_string(kind));
+    parts.refuse(
+        "numbers, text, cells or structs; objects, functions and sparse matrices are not "
+        "read. Expected no class " +
+        std::to_string(kind));
   }
   if (!parts.at_end()) parts.refuse("nothing after the content of an array");
 }
@@ -201,9 +203,9 @@ void inflate_to(std::string& image, std::string_view packed, std::size_t limit,
   int state = Z_OK;
   while (state == Z_OK && image.size() - begin <= limit) {
     const std::size_t from = image.size();
-    image.resize(from + kPiece);
+    image.resize(from + kMatPiece);
     stream.next_out = reinterpret_cast<Bytef*>(image.data() + from);
-    stream.avail_out = kPiece;
+    stream.avail_out = kMatPiece;
     state = inflate(&stream, Z_NO_FLUSH);
     image.resize(image.size() - stream.avail_out);
     if (state == Z_OK && stream.avail_out != 0) state = Z_DATA_ERROR;  // The input is at its end.
@@ -232,17 +234,17 @@ std::string unpacked_mat(std::string_view file, const std::string& name) {
   std::string image(file.substr(0, kMatHeader));
   while (!parts.at_end()) {
     const MatElement element = parts.next();
-    if (element.small || (element.type != kMatrix && element.type != kCompressed)) {
+    if (element.small || (element.type != kMatMatrix && element.type != kMatCompressed)) {
       parts.refuse("variables");
     }
     const std::size_t begin = image.size();
-    if (element.type == kCompressed) {
+    if (element.type == kMatCompressed) {
       inflate_to(image, element.data, limit - std::min(limit, begin), parts);
     } else {
       image.append(element.data.data() - kTagBytes, kTagBytes + element.data.size());
     }
     MatParts unpacked(std::string_view(image).substr(begin), name);
-    const MatElement variable = unpacked.next(kMatrix, "a variable");
+    const MatElement variable = unpacked.next(kMatMatrix, "a variable");
     if (variable.small || variable.data.size() % 8 != 0 || !unpacked.at_end()) {
       parts.refuse("one variable an element");
     }

@@ -51,8 +51,8 @@ TEST(DatasetCommands, ConvertRenamesAndLeavesOutClasses) {
   EXPECT_NE(result.errors.find("3 objects of class Cyclist were left out"), std::string::npos)
       << result.errors;
   expect_one_line_error(run_arbox({"convert", folder.path().string(), out}), 1, {"new or empty"});
-  EXPECT_EQ(run_arbox({"convert", out, (folder / "x").string(), "--to-layout", "nuscenes"}).exit_code,
-            2);
+  EXPECT_EQ(
+      run_arbox({"convert", out, (folder / "x").string(), "--to-layout", "nuscenes"}).exit_code, 2);
 }
 
 TEST(DatasetCommands, WhatCannotBeReadIsToldOrPassedOver) {
@@ -116,10 +116,9 @@ TEST(EvaluateBoxes, TakesEveryFormThatIsWritten) {
   const auto mean_iou = [&](const std::filesystem::path& labels,
                             const std::filesystem::path& predictions,
                             std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments = {"evaluate",      "boxes",
-                                          "--labels",      labels.string(),
-                                          "--predictions", predictions.string(),
-                                          "--json",        "-"};
+    std::vector<std::string> arguments = {
+        "evaluate",           "boxes",  "--labels", labels.string(), "--predictions",
+        predictions.string(), "--json", "-"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto result = run_arbox(arguments);
     EXPECT_EQ(result.exit_code, 0) << result.errors;
@@ -134,18 +133,19 @@ TEST(EvaluateBoxes, TakesEveryFormThatIsWritten) {
   const auto text = folder.write("own.txt", "0 0 0 1 1 1 0 a\n0 0 0 1 1 1 0 a\n");
   EXPECT_DOUBLE_EQ(mean_iou(text, found), 0.75);
   // Several scans are matched by their names, whatever their order and folders.
-  const auto truth = folder.write("t.jsonl", scan("x/b.bin", one(wide)) + scan("x/a.bin", one(box)));
+  const auto truth =
+      folder.write("t.jsonl", scan("x/b.bin", one(wide)) + scan("x/a.bin", one(box)));
   const auto lines = folder.write("p.jsonl", scan("a.bin", one(box)) + scan("b.bin", one(wide)));
   EXPECT_DOUBLE_EQ(mean_iou(truth, lines), 1.0);
   const auto evaluate = [&](const std::filesystem::path& labels,
                             const std::filesystem::path& predictions) {
-    return run_arbox({"evaluate", "boxes", "--labels", labels.string(), "--predictions",
-                      predictions.string()});
+    return run_arbox(
+        {"evaluate", "boxes", "--labels", labels.string(), "--predictions", predictions.string()});
   };
   const auto other = folder.write("o.jsonl", scan("a.bin", one(box)) + scan("c.bin", one(wide)));
   expect_one_line_error(evaluate(truth, other), 1, {"o.jsonl", "scan b", "got none"});
-  const auto more = folder.write("m.jsonl", scan("a.bin", one(box) + "," + one(box)) +
-                                                scan("b.bin", one(wide)));
+  const auto more =
+      folder.write("m.jsonl", scan("a.bin", one(box) + "," + one(box)) + scan("b.bin", one(wide)));
   expect_one_line_error(evaluate(truth, more), 1, {"m.jsonl", "one more of scan a"});
   expect_one_line_error(evaluate(csv, folder.write("n.json", scan("a", one(box)))), 1,
                         {"n.json", "each of the 2", "got 1"});

@@ -266,8 +266,8 @@ void make_rooms(const fs::path& root) {
   const arbox::io::SunRgbdAnnotation image{
       .number = 2,
       .calibration = {},
-      .objects = {arbox::io::to_object(arbox::io::parse_sunrgbd_labels(
-          "bed 1 2 3 4 1 2 3 0.5 1 0.25 0.6 -0.8\n", "made")[0])}};
+      .objects = {arbox::io::to_object(
+          arbox::io::parse_sunrgbd_labels("bed 1 2 3 4 1 2 3 0.5 1 0.25 0.6 -0.8\n", "made")[0])}};
   arbox::io::write_sunrgbd_toolbox(root / "sunrgbd_toolbox" / "packed.mat", {&image, 1});
   write(root, "sunrgbd_toolbox", "plain.mat",
         arbox::io::internal::unpacked_mat(
@@ -287,13 +287,16 @@ void make_rooms(const fs::path& root) {
     write(root, "cob3d", name, part + arbox::io::encode_npz(arrays));
   };
   using Arrays = std::vector<std::pair<std::string, std::string>>;
-  first_version('\0', "data", Arrays{{"depth", encode_npy<float>(depth, {2, 2})},
-                                     {"intrinsic", encode_npy<double>(intrinsic, {3, 3})}});
-  first_version('\1', "segm", Arrays{{"masks", encode_npy<std::uint8_t>(mask, {1, 2, 2})},
-                                     {"masks_amodal", encode_npy<float>(depth, {1, 2, 2})}});
-  first_version('\2', "bbox3d", Arrays{{"dimensions", encode_npy<double>(row, {1, 3})},
-                                       {"centers", encode_npy<double>(row, {1, 3})},
-                                       {"orientations", encode_npy<double>(turn, {1, 4})}});
+  first_version('\0', "data",
+                Arrays{{"depth", encode_npy<float>(depth, {2, 2})},
+                       {"intrinsic", encode_npy<double>(intrinsic, {3, 3})}});
+  first_version('\1', "segm",
+                Arrays{{"masks", encode_npy<std::uint8_t>(mask, {1, 2, 2})},
+                       {"masks_amodal", encode_npy<float>(depth, {1, 2, 2})}});
+  first_version('\2', "bbox3d",
+                Arrays{{"dimensions", encode_npy<double>(row, {1, 3})},
+                       {"centers", encode_npy<double>(row, {1, 3})},
+                       {"orientations", encode_npy<double>(turn, {1, 4})}});
   const std::string object = "{'descr': '|O', 'fortran_order': False, 'shape': ()}\n";
   write(root, "cob3d_v2", "scene.npz",
         arbox::io::encode_npz({{"depth_map", arbox::io::encode_npy<float>(depth, {2, 2})},

@@ -140,7 +140,7 @@ assert np.allclose(2 * half, [[0.2, 0.1, 0.05], [0.1, 0.2, 0.3]])
 assert np.allclose(poses['poses'][:, :3, 3], [[0.1, 0, 1.3], [-0.1, 0.1, 1.2]])
 assert float(d['near_plane']) == float(d['far_plane']) == 1.25
 )",
-                                                     (folder / "a.npz").string()});
+                                                      (folder / "a.npz").string()});
   EXPECT_EQ(read.exit_code, 0) << read.errors;
 }
 

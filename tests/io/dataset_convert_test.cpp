@@ -30,27 +30,26 @@ struct LayoutCase {
 
 std::vector<LayoutCase> layout_cases() {
   using enum MadeBoxes;
-  return {
-      {.layout = "arbox", .frame = SceneFrame::kLidar, .classes = {"Car", "Dog"}},
-      {.layout = "arbox"},
-      {.layout = "kitti", .frame = SceneFrame::kLidar, .boxes = kUpright, .tolerance = 3e-4},
-      {.layout = "scannet", .boxes = kAxisAligned, .tolerance = 1e-6},
-      {.layout = "scannet-votenet", .boxes = kAxisAligned},
-      {.layout = "scannet-mmdet3d", .boxes = kAxisAligned},
-      {.layout = "scannet-mmdet3d", .boxes = kAxisAligned, .infos = "1.0"},
-      {.layout = "scannet-mmdet3d", .boxes = kAxisAligned, .infos = "0.x"},
-      {.layout = "sunrgbd", .classes = {"chair", "lamp"}, .boxes = kUpright, .tolerance = 1e-8},
-      {.layout = "sunrgbd-votenet", .boxes = kUpright},
-      {.layout = "sunrgbd-mmdet3d", .boxes = kUpright},
-      {.layout = "sunrgbd-mmdet3d", .boxes = kUpright, .infos = "1.0"},
-      {.layout = "sunrgbd-mmdet3d", .boxes = kUpright, .infos = "0.x"},
-      {.layout = "sunrgbd-toolbox", .classes = {"chair", "floor lamp"}, .boxes = kUpright},
-      {.layout = "labelcloud", .frame = SceneFrame::kLidar, .tolerance = 1e-9, .splits = false},
-      {.layout = "cvat",
-       .frame = SceneFrame::kLidar,
-       .classes = {"a <b> & c", "Car"},
-       .tolerance = 1e-9,
-       .splits = false}};
+  return {{.layout = "arbox", .frame = SceneFrame::kLidar, .classes = {"Car", "Dog"}},
+          {.layout = "arbox"},
+          {.layout = "kitti", .frame = SceneFrame::kLidar, .boxes = kUpright, .tolerance = 3e-4},
+          {.layout = "scannet", .boxes = kAxisAligned, .tolerance = 1e-6},
+          {.layout = "scannet-votenet", .boxes = kAxisAligned},
+          {.layout = "scannet-mmdet3d", .boxes = kAxisAligned},
+          {.layout = "scannet-mmdet3d", .boxes = kAxisAligned, .infos = "1.0"},
+          {.layout = "scannet-mmdet3d", .boxes = kAxisAligned, .infos = "0.x"},
+          {.layout = "sunrgbd", .classes = {"chair", "lamp"}, .boxes = kUpright, .tolerance = 1e-8},
+          {.layout = "sunrgbd-votenet", .boxes = kUpright},
+          {.layout = "sunrgbd-mmdet3d", .boxes = kUpright},
+          {.layout = "sunrgbd-mmdet3d", .boxes = kUpright, .infos = "1.0"},
+          {.layout = "sunrgbd-mmdet3d", .boxes = kUpright, .infos = "0.x"},
+          {.layout = "sunrgbd-toolbox", .classes = {"chair", "floor lamp"}, .boxes = kUpright},
+          {.layout = "labelcloud", .frame = SceneFrame::kLidar, .tolerance = 1e-9, .splits = false},
+          {.layout = "cvat",
+           .frame = SceneFrame::kLidar,
+           .classes = {"a <b> & c", "Car"},
+           .tolerance = 1e-9,
+           .splits = false}};
 }
 
 std::string case_name(const LayoutCase& one) {
@@ -142,8 +141,8 @@ TEST(Convert, EveryLayoutBecomesEveryOther) {
   for (LayoutCase from : layout_cases()) {
     from.classes = {"chair", "bed"};
     const auto source = folder / ("from" + case_name(from));
-    const auto writer = io::create_dataset(source, from.layout, from.frame, from.classes,
-                                           {.infos = from.infos});
+    const auto writer =
+        io::create_dataset(source, from.layout, from.frame, from.classes, {.infos = from.infos});
     const auto scenes = made_scenes(from);
     for (const auto& scene : scenes) writer->add("train", scene);
     writer->finish();
@@ -157,12 +156,12 @@ TEST(Convert, EveryLayoutBecomesEveryOther) {
       const auto dataset = io::open_dataset(target, {.classes = "all"});
       const auto names = dataset->names(dataset->splits().back());
       ASSERT_EQ(names.size(), 3u);
-      const auto read = io::converted(dataset->load(dataset->splits().back(), names[0]),
-                                      SceneFrame::kRoom);
+      const auto read =
+          io::converted(dataset->load(dataset->splits().back(), names[0]), SceneFrame::kRoom);
       // What the source could not hold is not asked of the target.
       const auto given = io::open_dataset(source, {.classes = "all"});
-      const auto expected = io::converted(given->load(given->splits().back(), scenes[0].name),
-                                          SceneFrame::kRoom);
+      const auto expected =
+          io::converted(given->load(given->splits().back(), scenes[0].name), SceneFrame::kRoom);
       testing::expect_same_cloud(read, expected);
       ASSERT_EQ(read.objects.size(), 6u);
       for (std::size_t i = 0; i < 6; ++i) {

@@ -33,7 +33,7 @@ class NumpyInPickles : public ::testing::TestWithParam<int> {
 INSTANTIATE_TEST_SUITE_P(Protocols, NumpyInPickles, ::testing::Range(0, 6));
 
 template <class Function>
-std::string refusal(Function&& function) {
+std::string numpy_refusal(Function&& function) {
   try {
     function();
   } catch (const FormatError& error) {
@@ -85,12 +85,15 @@ TEST_P(NumpyInPickles, GiveTextAndObjects) {
 }
 
 TEST_P(NumpyInPickles, RefuseOtherElements) {
-  EXPECT_THAT(refusal([&] { numpy_array(array("structured")); }), HasSubstr("structured arrays"));
-  EXPECT_THAT(refusal([&] { numpy_array(array("complex")); }), HasSubstr("got one of '<c16'"));
-  EXPECT_THAT(refusal([&] { numpy_array(array("texts")); }), HasSubstr("['texts']: expected"));
-  EXPECT_THAT(refusal([&] { numpy_array(array("objects")); }), HasSubstr("'|O'"));
-  EXPECT_THAT(refusal([&] { numpy_texts(array("f4")); }), HasSubstr("an array of text"));
-  EXPECT_THAT(refusal([&] { numpy_objects(array("f4")); }), HasSubstr("an array of objects"));
+  EXPECT_THAT(numpy_refusal([&] { numpy_array(array("structured")); }),
+              HasSubstr("structured arrays"));
+  EXPECT_THAT(numpy_refusal([&] { numpy_array(array("complex")); }),
+              HasSubstr("got one of '<c16'"));
+  EXPECT_THAT(numpy_refusal([&] { numpy_array(array("texts")); }),
+              HasSubstr("['texts']: expected"));
+  EXPECT_THAT(numpy_refusal([&] { numpy_array(array("objects")); }), HasSubstr("'|O'"));
+  EXPECT_THAT(numpy_refusal([&] { numpy_texts(array("f4")); }), HasSubstr("an array of text"));
+  EXPECT_THAT(numpy_refusal([&] { numpy_objects(array("f4")); }), HasSubstr("an array of objects"));
 }
 
 TEST(NumpyPickle, ReadsNpyFilesOfObjectsAndText) {
@@ -105,12 +108,12 @@ TEST(NumpyPickle, ReadsNpyFilesOfObjectsAndText) {
   EXPECT_THAT(parse_npy_texts(bytes("texts.npy"), "t.npy").values,
               ElementsAre("a", "bcd", "e", "f"));
   EXPECT_THAT(parse_npy_texts(bytes("byte_texts.npy"), "t.npy").values, ElementsAre("ab", "c"));
-  EXPECT_THAT(refusal([&] { parse_npy_objects(bytes("numbers.npy"), "n.npy"); }),
+  EXPECT_THAT(numpy_refusal([&] { parse_npy_objects(bytes("numbers.npy"), "n.npy"); }),
               HasSubstr("n.npy: expected an array of objects, got one of '<f4'"));
-  EXPECT_THAT(refusal([&] { parse_npy_texts(bytes("numbers.npy"), "n.npy"); }),
+  EXPECT_THAT(numpy_refusal([&] { parse_npy_texts(bytes("numbers.npy"), "n.npy"); }),
               HasSubstr("an array of text"));
   const std::string texts = bytes("texts.npy");
-  EXPECT_THAT(refusal([&] { parse_npy_texts(texts.substr(0, texts.size() - 1), "t.npy"); }),
+  EXPECT_THAT(numpy_refusal([&] { parse_npy_texts(texts.substr(0, texts.size() - 1), "t.npy"); }),
               HasSubstr("expected 48 bytes of data"));
 }
 
@@ -123,7 +126,7 @@ std::string made_array(const std::string& type, const std::string& shape, const 
 
 TEST(NumpyPickle, ShapesAreComparedWithTheData) {
   const auto parsed = [](const std::string& bytes) {
-    return refusal([&] { numpy_array(parse_pickle(bytes, "a.pkl")); });
+    return numpy_refusal([&] { numpy_array(parse_pickle(bytes, "a.pkl")); });
   };
   EXPECT_EQ(parsed(made_array("f4", "I2\n", "S'12345678'\n")), "no error");
   EXPECT_THAT(parsed(made_array("f4", "I3\n", "S'12345678'\n")),
@@ -137,12 +140,12 @@ TEST(NumpyPickle, ShapesAreComparedWithTheData) {
   EXPECT_THAT(parsed("N."), HasSubstr("a NumPy array, got None"));
   EXPECT_THAT(parsed("cnumpy.core.multiarray\n_reconstruct\n(tR."), HasSubstr("with its state"));
   const auto texts = [](const std::string& bytes) {
-    return refusal([&] { numpy_texts(parse_pickle(bytes, "a.pkl")); });
+    return numpy_refusal([&] { numpy_texts(parse_pickle(bytes, "a.pkl")); });
   };
   EXPECT_THAT(texts(made_array("U0", "I1000000000000\n", "S''\n")), HasSubstr("an array of text"));
   EXPECT_THAT(texts(made_array("U1", "I1\n", "S'\\xff\\xff\\xff\\xff'\n")), HasSubstr("Unicode"));
   const auto objects = [](const std::string& bytes) {
-    return refusal([&] { numpy_objects(parse_pickle(bytes, "a.pkl")); });
+    return numpy_refusal([&] { numpy_objects(parse_pickle(bytes, "a.pkl")); });
   };
   EXPECT_THAT(objects(made_array("O8", "I1000000000000\n", "(l")),
               HasSubstr("a list of 1000000000000 objects"));

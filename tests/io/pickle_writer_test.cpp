@@ -61,7 +61,8 @@ assert d['flags'].dtype == bool and d['flags'].tolist() == [True, False]
 assert d['texts'].tolist() == ['chair', 'V\u00e9lo', ''], d['texts']
 assert pickle.loads(pickle.dumps(d)).keys() == d.keys()
 assert np.load(sys.argv[1] + '/o.npy', allow_pickle=True).item() == {'k': 7}
-)", folder.path().string()});
+)",
+                                                         folder.path().string()});
   EXPECT_EQ(checked.exit_code, 0) << checked.errors;
 }
 

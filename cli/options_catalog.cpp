@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "arbox/base/names.h"
+#include "arbox/base/plugin_loader.h"
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/program_registry.h"
 #include "arbox/cli/torch_module.h"
@@ -46,6 +47,21 @@ std::optional<CatalogEntry> find_in(const Catalog& catalog, std::string_view nam
   return std::nullopt;
 }
 
+/// What the plugin of that name brings, if there is one in the folders of plugins.
+std::optional<CatalogEntry> find_in_plugins(std::string_view name) {
+  const std::size_t slash = name.find('/');
+  if (slash == std::string_view::npos) return std::nullopt;
+  const std::string wanted = "libarbox_" + std::string(name.substr(0, slash)) + "_" +
+                             std::string(name.substr(slash + 1)) + ".so";
+  for (const auto& file : find_plugins()) {
+    if (file.filename() != wanted) continue;
+    Registry& registry = full_program_registry();
+    load_plugin(file, registry);
+    return find_in(registry_catalog(registry), name);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::vector<CatalogName> options_names() {
@@ -76,6 +92,7 @@ CatalogEntry find_options(std::string_view name) {
     }
   }
   if (const auto entry = find_in(registry_catalog(full_program_registry()), name)) return *entry;
+  if (const auto entry = find_in_plugins(name)) return *entry;
   std::vector<std::string> names;
   for (const CatalogName& known : options_names()) names.push_back(known.name);
   throw UsageError(unknown_name_text("options", name, names));

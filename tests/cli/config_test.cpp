@@ -26,6 +26,14 @@ TEST(ConfigShow, PrintsDefaultsWithHelp) {
   EXPECT_EQ(result.output, "# How long it looks (integer from 0 to 60, in s)\npatience: 3\n");
 }
 
+TEST(ConfigShow, LooksForPluginsByTheirName) {
+  const std::string folder = std::filesystem::path(ARBOX_DETECTOR_PLUGIN).parent_path();
+  const auto result = run_arbox({"config", "show", "detector/blind"},
+                                {.environment = {{"ARBOX_PLUGIN_PATH", folder}}});
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, ::testing::HasSubstr("patience: 3"));
+}
+
 TEST(ConfigShow, AppliesFileThenChanges) {
   const TemporaryDirectory folder;
   const auto file = folder.write("a.yaml", "patience: 4\n");

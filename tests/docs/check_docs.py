@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Checks the pages: links lead somewhere, every page can be reached, and commands work.
 
-check_docs.py ROOT PROGRAM. Pages are README.md, CONTRIBUTING.md and docs/**/*.md. A block
+check_docs.py ROOT PROGRAM [--installed PREFIX]. Pages are README.md, CONTRIBUTING.md and docs/**/*.md. A block
 
     ```sh runnable
     arbox ...
     ```
 
 is run by bash with -e in an empty folder that holds a link to the repository's examples, with the
-program first on PATH; the blocks of one page share the folder, in order. Prints what failed.
+program first on PATH; the blocks of one page share the folder, in order. With --installed the
+blocks "```sh installed" are run instead, with PREFIX and CMAKE_PREFIX_PATH in their environment, and
+links are not checked again. Prints what failed.
 """
 import os
 import pathlib
@@ -17,7 +19,8 @@ import subprocess
 import sys
 import tempfile
 
-BLOCK = re.compile(r"^```sh runnable\n(.*?)^```", re.S | re.M)
+BLOCKS = {kind: re.compile(rf"^```sh {kind}\n(.*?)^```", re.S | re.M)
+          for kind in ("runnable", "installed")}
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)")
 STARTS = ("README.md", "docs/architecture.md")
 
@@ -51,17 +54,20 @@ def unreachable(root, pages):
             for page in pages if page.is_relative_to(root / "docs") and page not in seen]
 
 
-def failed_blocks(root, page, program):
+def failed_blocks(root, page, program, prefix):
     failures = []
-    blocks = BLOCK.findall(page.read_text())
+    blocks = BLOCKS["installed" if prefix else "runnable"].findall(page.read_text())
     environment = dict(os.environ, PATH=f"{program.parent}:{os.environ['PATH']}")
+    if prefix:
+        environment.update(PREFIX=prefix, CMAKE_PREFIX_PATH=prefix)
     with tempfile.TemporaryDirectory() as folder:
         os.symlink(root / "examples", pathlib.Path(folder) / "examples")
         for block in blocks:
             result = subprocess.run(["bash", "-euo", "pipefail", "-c", block], cwd=folder,
                                     env=environment, capture_output=True, text=True)
             if result.returncode != 0:
-                failures.append(f"{page}: exit code {result.returncode} of\n{block}{result.stderr}")
+                failures.append(f"{page}: exit code {result.returncode} of\n{block}"
+                                f"{result.stdout[-2000:]}{result.stderr[-4000:]}")
     print(f"{page.relative_to(root)}: {len(blocks)} blocks, {len(failures)} failed")
     return failures, len(blocks)
 
@@ -69,10 +75,11 @@ def failed_blocks(root, page, program):
 def main():
     root, program = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
     pages = pages_of(root)
-    problems = broken_links(pages) + unreachable(root, pages)
+    prefix = sys.argv[4] if sys.argv[3:4] == ["--installed"] else ""
+    problems = [] if prefix else broken_links(pages) + unreachable(root, pages)
     count = 0
     for page in pages:
-        failures, blocks = failed_blocks(root, page, program)
+        failures, blocks = failed_blocks(root, page, program, prefix)
         problems += failures
         count += blocks
     if count == 0:

@@ -1,35 +1,7 @@
-# Variables: BUILD (build folder), WORK (scratch folder), COMPILER, BUILD_TYPE, FLAGS.
-get_filename_component(HERE "${CMAKE_CURRENT_LIST_DIR}" ABSOLUTE)
-set(PREFIX "${WORK}/prefix")
-
-# run(<expected part of the output> command...): fails the test unless it ends with 0 and says so.
-function(run expected)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE output
-    ERROR_VARIABLE output)
-  string(FIND "${output}" "${expected}" place)
-  if(NOT code EQUAL 0 OR place EQUAL -1)
-    message(FATAL_ERROR "${ARGN}\nended with ${code}, expected 0 and '${expected}':\n${output}")
-  endif()
-endfunction()
-
-# refused(<part of the message> command...): fails the test unless it fails and says why.
-function(refused expected)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE output
-    ERROR_VARIABLE output)
-  string(REGEX REPLACE "[ \n]+" " " output "${output}")
-  string(FIND "${output}" "${expected}" place)
-  if(code EQUAL 0 OR place EQUAL -1)
-    message(FATAL_ERROR "${ARGN}\nended with ${code}, expected a failure with '${expected}':\n${output}")
-  endif()
-endfunction()
-
-set(configure ${CMAKE_COMMAND} -G Ninja
-  "-DCMAKE_CXX_COMPILER=${COMPILER}" "-DCMAKE_BUILD_TYPE=${BUILD_TYPE}" "-DCMAKE_CXX_FLAGS=${FLAGS}"
-  "-DCMAKE_PREFIX_PATH=${PREFIX}")
-
+include("${CMAKE_CURRENT_LIST_DIR}/run_commands.cmake")
+set(HERE "${CMAKE_CURRENT_LIST_DIR}")
 file(REMOVE_RECURSE "${WORK}")
 file(MAKE_DIRECTORY "${WORK}")
-run("" ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${PREFIX}")
 
 # A project that computes, reads and scores, and a plugin, as anybody would write them.
 run("" ${configure} -S "${HERE}/consumer" -B "${WORK}/consumer")
@@ -57,8 +29,11 @@ refused("'geometri' is not a component of Arbox; installed components: base, geo
   ${configure} "-DCOMPONENTS=geometri" -S "${HERE}/probe" -B "${WORK}/probe_unknown")
 refused("requested version \"99.0\"" ${configure} "-DVERSION=99.0" "-DCOMPONENTS=base"
   -S "${HERE}/probe" -B "${WORK}/probe_version")
-file(GLOB files "${PREFIX}/lib*/cmake/arbox/arbox-io-targets*" "${PREFIX}/lib*/*/cmake/arbox/arbox-io-targets*")
+file(GLOB package "${PREFIX}/lib*/cmake/arbox" "${PREFIX}/lib*/*/cmake/arbox")
+file(COPY ${package} DESTINATION "${WORK}/part/lib/cmake")
+file(GLOB files "${WORK}/part/lib/cmake/arbox/arbox-io-targets*")
 file(REMOVE ${files})
 refused("'io' is not installed; installed components: base, geometry"
-  ${configure} "-DCOMPONENTS=io" -S "${HERE}/probe" -B "${WORK}/probe_missing")
+  ${configure} "-Darbox_DIR=${WORK}/part/lib/cmake/arbox" "-DCOMPONENTS=io" -S "${HERE}/probe"
+  -B "${WORK}/probe_missing")
 file(REMOVE_RECURSE "${WORK}")

@@ -13,10 +13,12 @@
 #include "arbox/detectors/pv_rcnn/import_openpcdet.h"
 #include "arbox/detectors/pv_rcnn/model.h"
 #include "support/program.h"
+#include "support/refusal.h"
 
 namespace arbox::detectors {
 namespace {
 
+using ::arbox::testing::refusal;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
@@ -31,16 +33,6 @@ class Toy : public torch::nn::Module {
   at::Tensor weight, bias, mean, count;
 };
 
-template <class Function>
-std::string refusal(Function&& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 TEST(ModelFile, TensorsComeBackBitByBit) {
   for (const auto type : {at::kBool, at::kChar, at::kByte, at::kShort, at::kInt, at::kLong,
                           at::kHalf, at::kFloat, at::kDouble}) {
@@ -52,11 +44,11 @@ TEST(ModelFile, TensorsComeBackBitByBit) {
   EXPECT_EQ(to_tensor(to_record(at::zeros({0, 4})), "r").sizes(), (at::IntArrayRef{0, 4}));
   EXPECT_EQ(to_record(at::zeros({})).shape.size(), 0U);
   EXPECT_THROW(to_record(at::zeros({1}, at::kBFloat16)), InvalidArgument);
-  EXPECT_THAT(refusal([] {
+  EXPECT_THAT(refusal<Error>([] {
                 to_tensor({io::NumberType::kUint16, {1}, "12"}, "r");
               }),
               HasSubstr("r: tensors have no numbers of type uint16"));
-  EXPECT_THAT(refusal([] {
+  EXPECT_THAT(refusal<Error>([] {
                 to_tensor({io::NumberType::kFloat32, {2}, "1234"}, "r");
               }),
               HasSubstr("expected 2 numbers of float32, got 4 bytes"));
@@ -86,7 +78,7 @@ TEST(ModelFile, ListsEverythingThatDoesNotFitAndChangesNothing) {
   records["running_mean"].shape = {1, 2};
   records["count"] = to_record(at::zeros({}));
   records["weight"] = to_record(at::full({2, 3}, std::numeric_limits<float>::infinity()));
-  EXPECT_THAT(refusal([&] { load_records(toy, records, "m.arbox"); }),
+  EXPECT_THAT(refusal<Error>([&] { load_records(toy, records, "m.arbox"); }),
               AllOf(HasSubstr("m.arbox: "), HasSubstr("'bias' is missing"),
                     HasSubstr("'more' is unknown"), HasSubstr("'weight' holds a non-finite"),
                     HasSubstr("'running_mean' has shape [1, 2], expected [2]"),
@@ -134,17 +126,19 @@ TEST(ModelFile, PvRcnnKeepsItsNotes) {
 
   io::ModelArchive archive = io::read_model_archive(file);
   archive.classes = {"Van"};
-  EXPECT_THAT(refusal([&] { pv_rcnn::to_model(archive, "m"); }),
+  EXPECT_THAT(refusal<Error>([&] { pv_rcnn::to_model(archive, "m"); }),
               HasSubstr("expected the classes of the configuration (Car), got Van"));
   archive.kind = "other";
-  EXPECT_THAT(refusal([&] { pv_rcnn::to_model(archive, "m"); }),
+  EXPECT_THAT(refusal<Error>([&] { pv_rcnn::to_model(archive, "m"); }),
               HasSubstr("a model of kind pv_rcnn, got 'other'"));
   archive = io::read_model_archive(file);
   archive.calibration = "{}";
-  EXPECT_THAT(refusal([&] { pv_rcnn::to_model(archive, "m"); }), HasSubstr("m: calibration.json"));
+  EXPECT_THAT(refusal<Error>([&] { pv_rcnn::to_model(archive, "m"); }),
+              HasSubstr("m: calibration.json"));
   archive = io::read_model_archive(file);
   archive.configuration = "classes: [Car]\nvoxel: 1\n";
-  EXPECT_THAT(refusal([&] { pv_rcnn::to_model(archive, "m"); }), HasSubstr("unknown key 'voxel'"));
+  EXPECT_THAT(refusal<Error>([&] { pv_rcnn::to_model(archive, "m"); }),
+              HasSubstr("unknown key 'voxel'"));
 }
 
 }  // namespace

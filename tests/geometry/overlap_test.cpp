@@ -11,9 +11,11 @@
 #include "arbox/geometry/internal/overlap_engine.h"
 #include "arbox/geometry/rotation.h"
 #include "geometry/overlap_pairs.h"
+#include "support/refusal.h"
 
 namespace {
 
+using ::arbox::testing::refusal;
 using namespace arbox;
 using namespace arbox::geometry;
 using arbox::testing::random_box;
@@ -34,16 +36,6 @@ std::vector<Box> random_boxes(int count, std::uint64_t seed) {
 
 Box cube(double x, double y, double z, double side = 1.0) {
   return {.center = {x, y, z}, .size = Vector3d::Constant(side)};
-}
-
-template <class Call>
-std::string refusal(Call call) {
-  try {
-    call();
-  } catch (const InvalidArgument& error) {
-    return error.what();
-  }
-  return "nothing was refused";
 }
 
 TEST(Overlap, OfKnownPairsIsWhatGeometrySays) {

@@ -8,10 +8,12 @@
 #include "arbox/base/error.h"
 #include "arbox/io/file.h"
 #include "made_pickles.h"
+#include "support/refusal.h"
 
 namespace arbox::io {
 namespace {
 
+using ::arbox::testing::refusal;
 using namespace std::string_literals;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -31,16 +33,6 @@ class NumpyInPickles : public ::testing::TestWithParam<int> {
   }
 };
 INSTANTIATE_TEST_SUITE_P(Protocols, NumpyInPickles, ::testing::Range(0, 6));
-
-template <class Function>
-std::string numpy_refusal(Function&& function) {
-  try {
-    function();
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST_P(NumpyInPickles, GiveNumbers) {
   EXPECT_THAT(numbers("f4"), ElementsAre(1.5, -2, 3, 4));
@@ -85,15 +77,17 @@ TEST_P(NumpyInPickles, GiveTextAndObjects) {
 }
 
 TEST_P(NumpyInPickles, RefuseOtherElements) {
-  EXPECT_THAT(numpy_refusal([&] { numpy_array(array("structured")); }),
+  EXPECT_THAT(refusal<FormatError>([&] { numpy_array(array("structured")); }),
               HasSubstr("structured arrays"));
-  EXPECT_THAT(numpy_refusal([&] { numpy_array(array("complex")); }),
+  EXPECT_THAT(refusal<FormatError>([&] { numpy_array(array("complex")); }),
               HasSubstr("got one of '<c16'"));
-  EXPECT_THAT(numpy_refusal([&] { numpy_array(array("texts")); }),
+  EXPECT_THAT(refusal<FormatError>([&] { numpy_array(array("texts")); }),
               HasSubstr("['texts']: expected"));
-  EXPECT_THAT(numpy_refusal([&] { numpy_array(array("objects")); }), HasSubstr("'|O'"));
-  EXPECT_THAT(numpy_refusal([&] { numpy_texts(array("f4")); }), HasSubstr("an array of text"));
-  EXPECT_THAT(numpy_refusal([&] { numpy_objects(array("f4")); }), HasSubstr("an array of objects"));
+  EXPECT_THAT(refusal<FormatError>([&] { numpy_array(array("objects")); }), HasSubstr("'|O'"));
+  EXPECT_THAT(refusal<FormatError>([&] { numpy_texts(array("f4")); }),
+              HasSubstr("an array of text"));
+  EXPECT_THAT(refusal<FormatError>([&] { numpy_objects(array("f4")); }),
+              HasSubstr("an array of objects"));
 }
 
 TEST(NumpyPickle, ReadsNpyFilesOfObjectsAndText) {
@@ -108,13 +102,14 @@ TEST(NumpyPickle, ReadsNpyFilesOfObjectsAndText) {
   EXPECT_THAT(parse_npy_texts(bytes("texts.npy"), "t.npy").values,
               ElementsAre("a", "bcd", "e", "f"));
   EXPECT_THAT(parse_npy_texts(bytes("byte_texts.npy"), "t.npy").values, ElementsAre("ab", "c"));
-  EXPECT_THAT(numpy_refusal([&] { parse_npy_objects(bytes("numbers.npy"), "n.npy"); }),
+  EXPECT_THAT(refusal<FormatError>([&] { parse_npy_objects(bytes("numbers.npy"), "n.npy"); }),
               HasSubstr("n.npy: expected an array of objects, got one of '<f4'"));
-  EXPECT_THAT(numpy_refusal([&] { parse_npy_texts(bytes("numbers.npy"), "n.npy"); }),
+  EXPECT_THAT(refusal<FormatError>([&] { parse_npy_texts(bytes("numbers.npy"), "n.npy"); }),
               HasSubstr("an array of text"));
   const std::string texts = bytes("texts.npy");
-  EXPECT_THAT(numpy_refusal([&] { parse_npy_texts(texts.substr(0, texts.size() - 1), "t.npy"); }),
-              HasSubstr("expected 48 bytes of data"));
+  EXPECT_THAT(
+      refusal<FormatError>([&] { parse_npy_texts(texts.substr(0, texts.size() - 1), "t.npy"); }),
+      HasSubstr("expected 48 bytes of data"));
 }
 
 /// The pickle of an array of `type`, `shape` and data, all as instructions.
@@ -126,7 +121,7 @@ std::string made_array(const std::string& type, const std::string& shape, const 
 
 TEST(NumpyPickle, ShapesAreComparedWithTheData) {
   const auto parsed = [](const std::string& bytes) {
-    return numpy_refusal([&] { numpy_array(parse_pickle(bytes, "a.pkl")); });
+    return refusal<FormatError>([&] { numpy_array(parse_pickle(bytes, "a.pkl")); });
   };
   EXPECT_EQ(parsed(made_array("f4", "I2\n", "S'12345678'\n")), "no error");
   EXPECT_THAT(parsed(made_array("f4", "I3\n", "S'12345678'\n")),
@@ -140,12 +135,12 @@ TEST(NumpyPickle, ShapesAreComparedWithTheData) {
   EXPECT_THAT(parsed("N."), HasSubstr("a NumPy array, got None"));
   EXPECT_THAT(parsed("cnumpy.core.multiarray\n_reconstruct\n(tR."), HasSubstr("with its state"));
   const auto texts = [](const std::string& bytes) {
-    return numpy_refusal([&] { numpy_texts(parse_pickle(bytes, "a.pkl")); });
+    return refusal<FormatError>([&] { numpy_texts(parse_pickle(bytes, "a.pkl")); });
   };
   EXPECT_THAT(texts(made_array("U0", "I1000000000000\n", "S''\n")), HasSubstr("an array of text"));
   EXPECT_THAT(texts(made_array("U1", "I1\n", "S'\\xff\\xff\\xff\\xff'\n")), HasSubstr("Unicode"));
   const auto objects = [](const std::string& bytes) {
-    return numpy_refusal([&] { numpy_objects(parse_pickle(bytes, "a.pkl")); });
+    return refusal<FormatError>([&] { numpy_objects(parse_pickle(bytes, "a.pkl")); });
   };
   EXPECT_THAT(objects(made_array("O8", "I1000000000000\n", "(l")),
               HasSubstr("a list of 1000000000000 objects"));

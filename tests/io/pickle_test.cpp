@@ -11,10 +11,12 @@
 #include "arbox/base/error.h"
 #include "arbox/io/file.h"
 #include "made_pickles.h"
+#include "support/refusal.h"
 
 namespace arbox::io {
 namespace {
 
+using ::arbox::testing::refusal;
 using namespace std::string_literals;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -23,16 +25,6 @@ using ::testing::HasSubstr;
 std::string message_of(const std::string& bytes) {
   try {
     parse_pickle(bytes, "a.pkl");
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-template <class Function>
-std::string refusal(Function&& function) {
-  try {
-    function();
   } catch (const FormatError& error) {
     return error.what();
   }
@@ -103,16 +95,20 @@ TEST_P(EveryProtocol, ObjectsAreNamesAndArguments) {
 
 TEST_P(EveryProtocol, MistakesNameThePlace) {
   const PickleValue all = values();
-  EXPECT_THAT(refusal([&] { all.at("nested")[1][0].text(); }),
+  EXPECT_THAT(refusal<FormatError>([&] { all.at("nested")[1][0].text(); }),
               AllOf(HasSubstr(".pkl['nested'][1][0]: expected text, got 3")));
-  EXPECT_THAT(refusal([&] { all.at("nests"); }),
+  EXPECT_THAT(refusal<FormatError>([&] { all.at("nests"); }),
               AllOf(HasSubstr("expected the key 'nests'"), HasSubstr("'nested'")));
-  EXPECT_THAT(refusal([&] { all.at("text").integer(); }), HasSubstr("got text 'V"));
-  EXPECT_THAT(refusal([&] { all.at("tuples")[9]; }), HasSubstr("at least 10 elements, got 4"));
-  EXPECT_THAT(refusal([&] { all.at("integers")[6].length(); }), HasSubstr("from 0, got -1"));
-  EXPECT_THAT(refusal([&] { all.at("date").numbers(); }), HasSubstr("object 'datetime.date'"));
-  EXPECT_THAT(refusal([&] { all.at("recursive").numbers(); }), HasSubstr("over and over"));
-  EXPECT_THAT(refusal([&] { all.at("floats").key(0); }), HasSubstr("a dictionary"));
+  EXPECT_THAT(refusal<FormatError>([&] { all.at("text").integer(); }), HasSubstr("got text 'V"));
+  EXPECT_THAT(refusal<FormatError>([&] { all.at("tuples")[9]; }),
+              HasSubstr("at least 10 elements, got 4"));
+  EXPECT_THAT(refusal<FormatError>([&] { all.at("integers")[6].length(); }),
+              HasSubstr("from 0, got -1"));
+  EXPECT_THAT(refusal<FormatError>([&] { all.at("date").numbers(); }),
+              HasSubstr("object 'datetime.date'"));
+  EXPECT_THAT(refusal<FormatError>([&] { all.at("recursive").numbers(); }),
+              HasSubstr("over and over"));
+  EXPECT_THAT(refusal<FormatError>([&] { all.at("floats").key(0); }), HasSubstr("a dictionary"));
 }
 
 TEST_P(EveryProtocol, EveryTruncationIsAnError) {
@@ -136,7 +132,7 @@ TEST(Pickle, NothingIsRun) {
     EXPECT_TRUE(value.is("os", "system"));
     EXPECT_EQ(value.arguments()[0].text(), "touch " + file);
     EXPECT_FALSE(std::filesystem::exists(file));
-    EXPECT_THAT(refusal([&] { value.text(); }), HasSubstr("got object 'os.system'"));
+    EXPECT_THAT(refusal<FormatError>([&] { value.text(); }), HasSubstr("got object 'os.system'"));
   }
 }
 
@@ -163,7 +159,7 @@ TEST(Pickle, PersistentIdsAndBigIntegers) {
   EXPECT_EQ(value[0][1].id().text(), "7");
   EXPECT_EQ(value[1].kind(), PickleKind::kBigInteger);
   EXPECT_EQ(value[1].bytes(), "l\xfc\x9c\x46\xf9 j\xa8P\x19");
-  EXPECT_THAT(refusal([&] { value[1].integer(); }), HasSubstr("got big integer"));
+  EXPECT_THAT(refusal<FormatError>([&] { value[1].integer(); }), HasSubstr("got big integer"));
   EXPECT_THAT(message_of("L123456789012345678901234567890L\n."), HasSubstr("expected a number"));
 }
 
@@ -220,7 +216,7 @@ TEST(Pickle, BombsStaySmall) {
                 static_cast<char>(i + 1);
   const PickleValue bomb = parse_pickle(doubling + ".", "a.pkl");
   EXPECT_TRUE(bomb[0].same(bomb[1]));
-  EXPECT_THAT(refusal([&] { bomb.numbers(); }), HasSubstr("over and over"));
+  EXPECT_THAT(refusal<FormatError>([&] { bomb.numbers(); }), HasSubstr("over and over"));
 
   constexpr int kDepth = 1000000;
   std::string deep(kDepth, ']');

@@ -9,10 +9,12 @@
 #include "arbox/io/file.h"
 #include "arbox/io/numpy_pickle.h"
 #include "support/program.h"
+#include "support/refusal.h"
 
 namespace arbox::io {
 namespace {
 
+using ::arbox::testing::refusal;
 using namespace std::string_literals;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -28,18 +30,8 @@ std::filesystem::path made(const std::string& name) {
   return folder / name;
 }
 
-template <class Function>
-std::string refusal(Function&& function) {
-  try {
-    function();
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 std::string refused(const std::string& bytes) {
-  return refusal([&] {
+  return refusal<FormatError>([&] {
     const auto checkpoint = parse_torch_checkpoint(bytes, "a.pth");
     checkpoint.tensors(checkpoint.value().at("model_state"));
   });
@@ -98,7 +90,7 @@ TEST_P(TorchFormats, RunsNothing) {
 }
 
 TEST_P(TorchFormats, RefusesTypesThatRecordsLack) {
-  EXPECT_THAT(refusal([] {
+  EXPECT_THAT(refusal<FormatError>([] {
                 const auto checkpoint = read_torch_checkpoint(made("complex_"s + GetParam()));
                 checkpoint.tensor(checkpoint.value().at("c"));
               }),

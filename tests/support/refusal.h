@@ -6,7 +6,7 @@
 
 namespace arbox::testing {
 
-/// The message of the `Expected` that `call` throws.
+/// The message of the `Expected` that `call` throws, or "no error".
 template <class Expected = InvalidArgument, class Call>
 std::string refusal(const Call& call) {
   try {
@@ -14,7 +14,7 @@ std::string refusal(const Call& call) {
   } catch (const Expected& error) {
     return error.what();
   }
-  return "nothing was thrown";
+  return "no error";
 }
 
 }  // namespace arbox::testing

@@ -14,10 +14,12 @@ namespace arbox {
 namespace {
 
 std::atomic<int> chosen_threads{0};
+thread_local int scoped_threads = 0;
 
 }  // namespace
 
 int default_threads() {
+  if (scoped_threads > 0) return scoped_threads;
   const int chosen = chosen_threads.load();
   return chosen > 0 ? chosen : omp_get_max_threads();
 }
@@ -27,6 +29,16 @@ void set_default_threads(int count) {
     throw InvalidArgument("set_default_threads: expected at least 1, got " + std::to_string(count));
   }
   chosen_threads = count;
+}
+
+ThreadScope::ThreadScope(int count) : outer_(scoped_threads), outer_openmp_(omp_get_max_threads()) {
+  scoped_threads = count > 0 ? count : default_threads();
+  omp_set_num_threads(scoped_threads);
+}
+
+ThreadScope::~ThreadScope() {
+  scoped_threads = outer_;
+  omp_set_num_threads(outer_openmp_);
 }
 
 void parallel_for(std::int64_t count, std::int64_t grain, int threads,

@@ -5,12 +5,26 @@
 
 namespace arbox {
 
-/// Threads that work uses when its options say 0: the last set_default_threads(), else
-/// OMP_NUM_THREADS, else every core that this process may run on.
+/// Threads that work uses when its options say 0: those of this thread's ThreadScope, else the last
+/// set_default_threads(), else OMP_NUM_THREADS, else every core that this process may run on.
 int default_threads();
 
 /// Sets default_threads() for the process. count >= 1; throws InvalidArgument otherwise.
 void set_default_threads(int count);
+
+/// As long as it lives, work that is begun on this thread uses `count` threads (0: what
+/// default_threads() was) where it would use default_threads(); so does OpenMP itself, and with it
+/// LibTorch and oneDNN. Other threads are not concerned. Scopes may be nested.
+class ThreadScope {
+ public:
+  explicit ThreadScope(int count);
+  ~ThreadScope();
+  ThreadScope(const ThreadScope&) = delete;
+  ThreadScope& operator=(const ThreadScope&) = delete;
+
+ private:
+  int outer_, outer_openmp_;
+};
 
 /// Calls body(begin, end) on disjoint ranges that cover [0, count), each at most `grain` long.
 ///

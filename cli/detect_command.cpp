@@ -151,6 +151,8 @@ void add_detect(CLI::App& app) {
   command->callback([flags] { detect(*flags); });
   add_examples(*command,
                {{"arbox detect scan.pcd", "JSON on standard output"},
+                {"arbox detect scan.pcd --model car.arbox --mode mean --quantile 0.2",
+                 "a trained network in place of the classical baseline"},
                 {"arbox detect 000008.bin --quantile 0.1 0.5 --view boxes.png",
                  "quantile boxes and a picture"},
                 {"arbox detect velodyne --format kitti --calib calib --score 0 --output results",

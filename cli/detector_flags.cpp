@@ -6,11 +6,55 @@
 #include "arbox/base/plugin_loader.h"
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/program_registry.h"
+#include "arbox/cli/torch_module.h"
 #include "arbox/detectors/detector_kind.h"
+#include "arbox/io/model_search.h"
 
 namespace arbox::cli {
 
+namespace {
+
+std::unique_ptr<detectors::Detector> load_model_detector(const DetectorFlags& flags) {
+  // --score alone says what is left out, unless --set does.
+  std::vector<std::string> changes = {"post.score=0"};
+  if (!flags.head.empty()) changes.push_back("post.head=" + flags.head);
+  if (!flags.mode.empty()) {
+    changes.push_back("post.box=" + (flags.mode == "beam" ? "mode" : flags.mode));
+  }
+  changes.insert(changes.end(), flags.overrides.begin(), flags.overrides.end());
+  const std::string file = io::find_model(flags.model).string();
+  try {
+    return torch_module().load_detector(file, changes);
+  } catch (const ConfigError& error) {
+    throw UsageError(file + ": " + error.what());
+  }
+}
+
+void add_model_flags(CLI::App& command, DetectorFlags& flags) {
+  CLI::Option* model =
+      command
+          .add_option("--model", flags.model,
+                      "A trained detector: a .arbox file, or the name of an installed one")
+          ->type_name("FILE|NAME");
+  for (const char* other : {"--detector", "--config"}) model->excludes(command.get_option(other));
+  command
+      .add_option("--head", flags.head, "Which of the model's heads answers (default: its first)")
+      ->type_name("NAME")
+      ->needs(model);
+  command
+      .add_option("--mode", flags.mode,
+                  "The box of a detection: beam, the most likely one that a beam search finds; "
+                  "mean; quantile, the quantile box of --set post.quantile=Q; pointwise (default: "
+                  "as the model says)")
+      ->type_name("MODE")
+      ->check(CLI::IsMember({"beam", "mean", "quantile", "pointwise"}).description(""))
+      ->needs(model);
+}
+
+}  // namespace
+
 std::unique_ptr<detectors::Detector> make_detector(const DetectorFlags& flags) {
+  if (!flags.model.empty()) return load_model_detector(flags);
   using Kind = detectors::DetectorKind;
   Registry& registry = program_registry();
   try {
@@ -45,8 +89,10 @@ void add_detector_flags(CLI::App& command, DetectorFlags& flags) {
       ->type_name("FILE");
   command
       .add_option("--set", flags.overrides,
-                  "Options of the detector one by one (see 'arbox config show')")
+                  "Options of the detector or model one by one (see 'arbox config show', 'arbox "
+                  "info')")
       ->type_name("KEY=VALUE");
+  add_model_flags(command, flags);
   const auto fraction = CLI::Validator(
       [](std::string& text) {
         double value = 0.0;

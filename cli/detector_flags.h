@@ -14,18 +14,22 @@ namespace arbox::cli {
 /// how clouds are read.
 struct DetectorFlags {
   std::string detector = "cluster_fit";
+  /// A trained detector in its place: a model file or the name of one, and which of its heads and
+  /// boxes answer.
+  std::string model, head, mode;
   std::string config;
   std::vector<std::string> overrides;
   detectors::DetectionRequest request{.score = 0.3};
   io::ReadOptions read;
 };
 
-/// Adds --detector, --config, --set, --quantile, --confidence, --score, --seed, --samples,
+/// Adds --model, --head, --mode, --detector, --config, --set, --quantile, --confidence, --score,
+/// --seed, --samples,
 /// --channels and --input-format. `flags` must outlive the parsing.
 void add_detector_flags(CLI::App& command, DetectorFlags& flags);
 
-/// The detector that was chosen. Throws UsageError for a name that nobody knows and for --set,
-/// PluginError, ConfigError, IoError.
+/// The detector that was chosen. Throws UsageError for a name that nobody knows, --head and --set;
+/// PluginError, ConfigError, FormatError, IoError.
 std::unique_ptr<detectors::Detector> make_detector(const DetectorFlags& flags);
 
 }  // namespace arbox::cli

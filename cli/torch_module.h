@@ -3,11 +3,13 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "arbox/base/registry.h"
+#include "arbox/detectors/detector.h"
 #include "arbox/geometry/box.h"
 #include "arbox/training/train_report.h"
 
@@ -93,6 +95,9 @@ struct TorchModule {
   FitBinsResult (*fit_bins)(const FitBinsRequest& request);
   ImportResult (*import_openpcdet)(const ImportRequest& request);
   TrainOutcome (*train)(const TrainRequest& request);
+  /// The detector of a model file; `overrides` change its options, each KEY=VALUE.
+  std::unique_ptr<detectors::Detector> (*load_detector)(const std::string& file,
+                                                        const std::vector<std::string>& overrides);
 };
 
 /// Opens the library, once. Throws NotAvailable if this installation lacks it.

@@ -58,13 +58,19 @@ ImportResult import_openpcdet(const ImportRequest& request) {
           .unused = report.unused};
 }
 
+std::unique_ptr<detectors::Detector> load_detector(const std::string& file,
+                                                   const std::vector<std::string>& overrides) {
+  return detectors::pv_rcnn::load_pv_rcnn(file, overrides);
+}
+
 }  // namespace
 }  // namespace arbox::cli
 
 extern "C" __attribute__((visibility("default"))) const arbox::cli::TorchModule*
 arbox_torch_module() {
   using namespace arbox;
-  static const cli::TorchModule module = {&cli::register_built_ins, &cli::find_options,
-                                          &cli::fit_bins, &cli::import_openpcdet, &cli::train};
+  static const cli::TorchModule module = {
+      &cli::register_built_ins, &cli::find_options, &cli::fit_bins,
+      &cli::import_openpcdet,   &cli::train,        &cli::load_detector};
   return &module;
 }

@@ -59,6 +59,15 @@ function(arbox_install component target)
     DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/arbox" COMPONENT ${component})
 endfunction()
 
+# arbox_keep_memory(program) gives a program that runs networks the allocator of `arbox`.
+function(arbox_keep_memory target)
+  # Sanitizers bring an allocator of their own.
+  if(NOT ARBOX_SANITIZE)
+    target_sources(${target} PRIVATE "${CMAKE_SOURCE_DIR}/cli/memory_allocator.cpp")
+    target_link_libraries(${target} PRIVATE PkgConfig::jemalloc)
+  endif()
+endfunction()
+
 # arbox_library(room SOURCES ... [PUBLIC targets...] [PRIVATE targets...])
 # One room is one library: target arbox_<room>, alias arbox::<room>, install component <room>.
 function(arbox_library room)

@@ -19,8 +19,11 @@ struct DetectionRequest {
   double score = 0.0;
   /// Keep the box samples in each detection.
   bool samples = false;
+  /// Tell the uncertainty, too, where it is a trained head's: it takes draws, which take time.
+  /// Without it detections have one if something else that is asked for takes draws.
+  bool uncertainty = true;
   std::uint64_t seed = 0;
-  /// 0 means default_threads().
+  /// Threads of all that the request takes; 0 means default_threads().
   int threads = 0;
 };
 

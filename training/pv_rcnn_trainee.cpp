@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "arbox/base/error.h"
@@ -48,40 +47,8 @@ std::vector<pv_rcnn::AnchorRule> rules_of(const AnchorOptions& anchors) {
   return rules;
 }
 
-std::vector<std::string> options_of(const std::string& head,
-                                    const std::vector<std::string>& options) {
-  std::vector<std::string> result;
-  for (const std::string& option : options) {
-    if (option.starts_with(head + ".")) result.push_back(option.substr(head.size() + 1));
-  }
-  return result;
-}
-
-/// The network's options with one of the further heads in place of its own.
-Options with_head(const PvRcnnTraineeOptions& options, const std::string& name) {
-  Options result = options.network;
-  result.head.name = name;
-  result.head.options = options_of(name, options.more_head_options);
-  return result;
-}
-
 void require_valid(const PvRcnnTraineeOptions& options) {
   validate_options(options, "pv_rcnn training");
-  std::set<std::string> names = {options.network.head.name};
-  for (const std::string& name : options.more_heads) {
-    if (!names.insert(name).second) {
-      throw ConfigError("more_heads: expected each head once, got '" + name + "' twice");
-    }
-  }
-  for (const std::string& option : options.more_head_options) {
-    const std::string head = option.substr(0, option.find('.'));
-    if (std::find(options.more_heads.begin(), options.more_heads.end(), head) ==
-        options.more_heads.end()) {
-      throw ConfigError(
-          "more_head_options: expected NAME.KEY=VALUE with a name of more_heads, got '" + option +
-          "'");
-    }
-  }
   const std::size_t pasted = options.augmentation.objects.counts.size();
   if (options.augmentation.enabled && pasted > options.network.classes.size()) {
     throw ConfigError("augmentation.objects.counts: expected at most one number for each of " +
@@ -121,16 +88,6 @@ PvRcnnTrainee::PvRcnnTrainee(PvRcnnTraineeOptions options, const SceneSource* ob
   require_valid(options_);
   const Options& network = options_.network;
   network_ = std::make_shared<Network>(network);
-  heads_.emplace_back(network.head.name,
-                      std::shared_ptr<heads::BoxHead>(network_, &network_->head()));
-  if (!options_.more_heads.empty()) {
-    const auto parent =
-        network_->register_module("box_heads", std::make_shared<torch::nn::Module>());
-    for (const std::string& name : options_.more_heads) {
-      heads_.emplace_back(
-          name, parent->register_module(name, make_region_head(with_head(options_, name))));
-    }
-  }
   assigner_ = std::make_unique<pv_rcnn::AnchorAssigner>(
       network_->anchors(), rules_of(network.anchors),
       static_cast<std::int64_t>(network.anchors.rotations.size()), options_.ignore_similar);
@@ -163,7 +120,7 @@ PvRcnnTrainee::Parts PvRcnnTrainee::parts() const {
       result.refinement = result.refinement || learns(*child.value());
     }
   }
-  for (const auto& [name, head] : heads_) result.heads = result.heads || learns(*head);
+  for (const auto& [name, head] : network_->heads()) result.heads = result.heads || learns(*head);
   return result;
 }
 
@@ -239,8 +196,8 @@ void PvRcnnTrainee::head_terms(Pass& pass, const Step& step) {
   input.object_ids = (pass.drawn.scene + step.first_scene).index_select(0, pass.drawn.foreground) *
                          options_.proposals.count +
                      pass.drawn.foreground % options_.proposals.count;
-  const Tensor targets = to_box_rows(pass.drawn.objects);
-  for (const auto& [name, head] : heads_) {
+  const Tensor targets = to_box_rows(pass.drawn.objects).to(input.features.scalar_type());
+  for (const auto& [name, head] : network_->heads()) {
     // The pointwise branch learns from the losses of its residuals.
     if (head->parameters().empty() || (!learns(*head) && !pass.parts.refinement)) continue;
     const heads::HeadLoss loss = head->loss(input, targets);
@@ -283,22 +240,14 @@ StepLoss PvRcnnTrainee::loss(std::span<const Scene> scenes, const Step& step,
 
 std::map<std::string, double> PvRcnnTrainee::evaluate(const SceneSource& scenes) {
   std::map<std::string, double> result;
-  const auto evaluations = pv_rcnn::evaluate_heads(*network_, heads_, scenes);
+  const auto evaluations = pv_rcnn::evaluate_heads(network_, scenes);
   for (const auto& [head, figures] : evaluations) {
-    const std::string prefix = heads_.size() > 1 ? head + ": " : "";
+    const std::string prefix = network_->heads().size() > 1 ? head + ": " : "";
     for (const auto& [name, value] : figures) result[prefix + name] = value;
   }
   return result;
 }
 
-void PvRcnnTrainee::save(const std::filesystem::path& path) {
-  for (std::size_t i = 0; i < heads_.size(); ++i) {
-    const auto& [name, head] = heads_[i];
-    std::filesystem::path file = path;
-    if (i > 0) file.replace_filename(path.stem().string() + "." + name + path.extension().string());
-    const Options options = i == 0 ? options_.network : with_head(options_, name);
-    io::write_model_archive(file, to_archive(*network_, *head, options));
-  }
-}
+void PvRcnnTrainee::save(const std::filesystem::path& path) { save_model(path, *network_); }
 
 }  // namespace arbox::training

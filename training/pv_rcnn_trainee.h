@@ -16,12 +16,8 @@ namespace arbox::training {
 /// How a PV-RCNN learns. Which parts do is said where it is trained (TrainOptions::frozen): losses
 /// of frozen parts are not computed, and frozen stages run without gradient.
 struct PvRcnnTraineeOptions {
+  /// All of its heads learn, side by side.
   detectors::pv_rcnn::Options network;
-  /// Further heads that learn side by side with network.head, from the same features with the same
-  /// codec. Their parameters are `box_heads.NAME.*`.
-  std::vector<std::string> more_heads;
-  /// Changes to their options, each NAME.KEY=VALUE.
-  std::vector<std::string> more_head_options;
   /// Heads learn without changing the features that they get.
   bool detach_heads = false;
   pv_rcnn::ProposalTargetOptions proposals;
@@ -38,10 +34,6 @@ struct PvRcnnTraineeOptions {
   static void describe(Visitor& visitor) {
     using Self = PvRcnnTraineeOptions;
     visitor.group("network", &Self::network, "The network");
-    visitor.field("more_heads", &Self::more_heads,
-                  {.help = "Further heads that learn side by side, from the same features"});
-    visitor.field("more_head_options", &Self::more_head_options,
-                  {.help = "Changes to their options, each NAME.KEY=VALUE"});
     visitor.field("detach_heads", &Self::detach_heads,
                   {.help = "Heads learn without changing the features that they get"});
     visitor.group("proposals", &Self::proposals, "What the second stage learns from");
@@ -67,7 +59,6 @@ class PvRcnnTrainee : public Trainee {
   explicit PvRcnnTrainee(PvRcnnTraineeOptions options, const SceneSource* objects = nullptr);
   ~PvRcnnTrainee() override;
 
-  /// The Network; further heads are its child `box_heads`.
   torch::nn::Module& network() override { return *network_; }
 
   /// Augmentation.
@@ -86,16 +77,11 @@ class PvRcnnTrainee : public Trainee {
   /// 3d R40 moderate". See pv_rcnn/evaluation.h for how the benchmark's protocol is applied.
   std::map<std::string, double> evaluate(const SceneSource& scenes) override;
 
-  /// Writes the network with its head; with further heads each of them into a file of its own
-  /// beside it: model.arbox, model.gaussian.arbox.
+  /// Writes the network with all its heads as a model (detectors/pv_rcnn/model.h).
   void save(const std::filesystem::path& path) override;
 
   const PvRcnnTraineeOptions& options() const { return options_; }
-  detectors::pv_rcnn::Network& detector() { return *network_; }
-  /// Heads by name, network.head first.
-  const std::vector<std::pair<std::string, std::shared_ptr<heads::BoxHead>>>& heads() const {
-    return heads_;
-  }
+  const std::shared_ptr<detectors::pv_rcnn::Network>& detector() const { return network_; }
 
  private:
   /// What learns at present: parts with a parameter that requires a gradient.
@@ -111,7 +97,6 @@ class PvRcnnTrainee : public Trainee {
 
   PvRcnnTraineeOptions options_;
   std::shared_ptr<detectors::pv_rcnn::Network> network_;
-  std::vector<std::pair<std::string, std::shared_ptr<heads::BoxHead>>> heads_;
   std::unique_ptr<pv_rcnn::AnchorAssigner> assigner_;
   std::unique_ptr<ObjectDatabase> database_;
 };

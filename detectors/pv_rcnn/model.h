@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "arbox/detectors/model_file.h"
 #include "arbox/detectors/pv_rcnn/network.h"
@@ -12,7 +13,7 @@
 
 /// \file
 /// PV-RCNN as a model file (io/model_archive.h): kind "pv_rcnn", the options as its configuration,
-/// parameters and buffers under the network's names, the head's under roi_head.box_head.
+/// parameters and buffers of the network with all its heads under the network's names.
 
 namespace arbox::detectors::pv_rcnn {
 
@@ -30,26 +31,22 @@ struct Model {
   ModelNotes notes = {};
 };
 
-/// A file's content with `head` in place of the network's own; `options` name it. Children
-/// box_heads of the network, further heads in training, are left out.
-io::ModelArchive to_archive(const Network& network, const heads::BoxHead& head,
-                            const Options& options, const ModelNotes& notes = {},
-                            WeightPrecision precision = WeightPrecision::kFull);
-
-/// Writes a network with its own head. Throws IoError.
-void save_model(const std::filesystem::path& path, Network& network, const ModelNotes& notes = {},
-                WeightPrecision precision = WeightPrecision::kFull);
+/// Writes a network with all its heads. Throws IoError.
+void save_model(const std::filesystem::path& path, const Network& network,
+                const ModelNotes& notes = {}, WeightPrecision precision = WeightPrecision::kFull);
 
 /// The model of an archive; `source` begins messages. Throws FormatError for another kind of file,
 /// class names that differ from the configuration's, records that do not fit the network (all of
 /// them in one message) and a broken calibration; ConfigError for the configuration; PluginError
-/// for a head that is not there.
-Model to_model(const io::ModelArchive& archive, const std::string& source);
+/// for a head that is not there. `overrides`: changes to the configuration, each KEY=VALUE.
+Model to_model(const io::ModelArchive& archive, const std::string& source,
+               const std::vector<std::string>& overrides = {});
 
 /// Throws IoError too.
-Model load_model(const std::filesystem::path& path);
+Model load_model(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
 
 /// The detector of a model file, with its calibration. Throws as load_model.
-std::unique_ptr<PvRcnn> load_pv_rcnn(const std::filesystem::path& path);
+std::unique_ptr<PvRcnn> load_pv_rcnn(const std::filesystem::path& path,
+                                     const std::vector<std::string>& overrides = {});
 
 }  // namespace arbox::detectors::pv_rcnn

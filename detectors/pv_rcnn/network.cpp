@@ -3,6 +3,8 @@
 #include <ATen/TensorOperators.h>
 #include <ATen/ops/arange.h>
 
+#include <algorithm>
+
 #include "arbox/base/error.h"
 #include "arbox/detectors/pv_rcnn/box_coding.h"
 #include "arbox/detectors/pv_rcnn/internal/anchor_head.h"
@@ -11,6 +13,7 @@
 #include "arbox/detectors/pv_rcnn/internal/map_cells.h"
 #include "arbox/detectors/pv_rcnn/internal/pointwise_branch.h"
 #include "arbox/detectors/pv_rcnn/internal/region_head.h"
+#include "arbox/detectors/pv_rcnn/internal/row_layer.h"
 #include "arbox/detectors/pv_rcnn/internal/sparse_backbone.h"
 
 namespace arbox::detectors::pv_rcnn {
@@ -50,23 +53,29 @@ CellOrder order_of(const sparse::SparseTensor& cells) {
   return order;
 }
 
-}  // namespace
-
-std::shared_ptr<heads::BoxHead> make_region_head(const Options& options) {
-  const std::int64_t features = options.regions.shared.back();
-  if (options.head.name == "pointwise") {
-    if (!options.head.options.empty()) {
-      throw ConfigError("head pointwise: it has no options, got '" + options.head.options.front() +
-                        "'");
+std::shared_ptr<heads::BoxHead> make_region_head(const heads::HeadConfig& head,
+                                                 std::int64_t features) {
+  if (head.name == "pointwise") {
+    if (!head.options.empty()) {
+      throw ConfigError("head pointwise: it has no options, got '" + head.options.front() + "'");
     }
-    return std::make_shared<internal::PointwiseBranch>(
-        heads::HeadContext{.features = features,
-                           .condition = kBoxNumbers,
-                           .codec = heads::make_codec(options.head.codec)});
+    return std::make_shared<internal::PointwiseBranch>(heads::HeadContext{
+        .features = features, .condition = kBoxNumbers, .codec = heads::make_codec(head.codec)});
   }
   Registry registry = heads::make_head_registry();
-  return heads::make_head(options.head, features, kBoxNumbers, registry);
+  return heads::make_head(head, features, kBoxNumbers, registry);
 }
+
+/// One of the further heads, with the options that are its own.
+heads::HeadConfig further_head(const Options& options, const std::string& name) {
+  heads::HeadConfig head{.name = name, .options = {}, .codec = options.head.codec};
+  for (const std::string& option : options.more_head_options) {
+    if (option.starts_with(name + ".")) head.options.push_back(option.substr(name.size() + 1));
+  }
+  return head;
+}
+
+}  // namespace
 
 Network::Network(const Options& options)
     : options_(validated(options)), anchors_(make_anchors(options)) {
@@ -85,13 +94,30 @@ Network::Network(const Options& options)
                                         options_.keypoints, keypoints_->gathered_channels()));
   regions_ = register_module("roi_head", std::make_shared<internal::RegionHead>(
                                              options_.regions, options_.keypoints.fused));
-  head_ = regions_->register_module("box_head", make_region_head(options_));
+  const std::int64_t features = options_.regions.shared.back();
+  heads_.emplace_back(
+      options_.head.name,
+      regions_->register_module("box_head", make_region_head(options_.head, features)));
+  if (!options_.more_heads.empty()) {
+    const auto parent = internal::add_child(*this, "box_heads");
+    for (const std::string& name : options_.more_heads) {
+      heads_.emplace_back(
+          name,
+          parent->register_module(name, make_region_head(further_head(options_, name), features)));
+    }
+  }
+  const std::string& answering = options_.post.head;
+  head_ = std::find_if(heads_.begin(), heads_.end(), [&](const auto& head) {
+            return answering.empty() || head.first == answering;
+          })->second;
 }
 
 Network::~Network() = default;
 
 FirstStage Network::first_stage(const PointBatch& batch) {
-  auto [levels, cells] = backbone_->forward(batch.voxels);
+  const at::ScalarType type = anchor_head_->parameters().front().scalar_type();
+  auto [levels, cells] =
+      backbone_->forward(batch.voxels.with_features(batch.voxels.features().to(type)));
   const std::int64_t anchors = anchor_head_->anchors_per_cell();
   FirstStage first;
   at::Tensor rows;
@@ -135,7 +161,7 @@ SecondStage Network::second_stage(const Keypoints& keypoints, const at::Tensor& 
 }
 
 heads::HeadInput Network::head_input(const SecondStage& second, const at::Tensor& regions) const {
-  const at::Tensor rows = to_box_rows(regions.detach());
+  const at::Tensor rows = to_box_rows(regions.detach()).to(second.features.scalar_type());
   heads::HeadInput input;
   input.features = second.features;
   input.references = {rows.slice(1, 0, 3), rows.slice(1, 6, 10), rows.slice(1, 3, 6)};

@@ -8,6 +8,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "arbox/detectors/pv_rcnn/options.h"
@@ -86,20 +88,21 @@ struct SecondStage {
   at::Tensor residuals;   ///< (R, 7) pointwise branch, in the frame of the region.
 };
 
-/// The head that the options name, as Network has it: `pointwise` is PV-RCNN's own branch
-/// (internal/pointwise_branch.h), other names as heads::make_head. Throws ConfigError as that does.
-std::shared_ptr<heads::BoxHead> make_region_head(const Options& options);
+/// Heads by name.
+using NamedHeads = std::vector<std::pair<std::string, std::shared_ptr<heads::BoxHead>>>;
 
-/// PV-RCNN (Shi et al., CVPR 2020) with a head of heads/. Parameters carry the names of OpenPCDet's
-/// checkpoints; those of the head begin with `roi_head.box_head`. Batch norms are
-/// sparse::BatchNorm.
+/// PV-RCNN (Shi et al., CVPR 2020) with heads of heads/; `pointwise` is PV-RCNN's own branch
+/// (internal/pointwise_branch.h). Parameters carry the names of OpenPCDet's checkpoints; those of
+/// the head begin with `roi_head.box_head`, those of further heads with `box_heads.NAME`. Batch
+/// norms are sparse::BatchNorm.
 ///
-/// Without gradients and in eval mode norms are folded into the layers before them; the network may
-/// then be used from several threads. Outputs have gradients to all parameters; boxes, points and
-/// places have none.
+/// Parameters may be turned into float64: features and what follows from them are then float64,
+/// places stay float32. Without gradients and in eval mode norms are folded into the layers before
+/// them; the network may then be used from several threads. Outputs have gradients to all
+/// parameters; boxes, points and places have none.
 class Network : public torch::nn::Module {
  public:
-  /// Throws ConfigError for options that do not fit together; as heads::make_head for the head.
+  /// Throws ConfigError for options that do not fit together; as heads::make_head for the heads.
   explicit Network(const Options& options);
   ~Network() override;
 
@@ -122,6 +125,9 @@ class Network : public torch::nn::Module {
   SecondStage second_stage(const Keypoints& keypoints, const at::Tensor& regions,
                            const at::Tensor& scene);
 
+  /// Options::head first, then Options::more_heads.
+  const NamedHeads& heads() const { return heads_; }
+  /// The one that answers: PostOptions::head.
   heads::BoxHead& head() { return *head_; }
   /// Features, the regions as references, the pointwise residuals as condition.
   heads::HeadInput head_input(const SecondStage& second, const at::Tensor& regions) const;
@@ -135,6 +141,7 @@ class Network : public torch::nn::Module {
   std::shared_ptr<internal::AnchorHead> anchor_head_;
   std::shared_ptr<internal::KeypointWeighting> weighting_;
   std::shared_ptr<internal::RegionHead> regions_;
+  NamedHeads heads_;
   std::shared_ptr<heads::BoxHead> head_;
 };
 

@@ -1,5 +1,6 @@
 #include "arbox/detectors/pv_rcnn/options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -96,6 +97,26 @@ void check_stages(const Options& options, Violations& found) {
   found.require(gathers, "keypoints: expected at least one source of features");
 }
 
+void check_heads(const Options& options, Violations& found) {
+  std::vector<std::string> names = {options.head.name};
+  const auto known = [&](const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  for (const std::string& name : options.more_heads) {
+    found.require(!known(name), "more_heads: expected each head once, got '" + name + "' twice");
+    names.push_back(name);
+  }
+  for (const std::string& option : options.more_head_options) {
+    const std::string head = option.substr(0, option.find('.'));
+    found.require(head != options.head.name && known(head),
+                  "more_head_options: expected NAME.KEY=VALUE with a name of more_heads, got '" +
+                      option + "'");
+  }
+  if (!options.post.head.empty() && !known(options.post.head)) {
+    found.require(false, "post.head: " + unknown_name_text("head", options.post.head, names));
+  }
+}
+
 }  // namespace
 
 std::array<int, 3> VoxelOptions::grid() const {
@@ -114,6 +135,7 @@ void require_valid(const Options& options, const std::string& where) {
   check_birds_eye(options.birds_eye, found);
   check_anchors(options, found);
   check_stages(options, found);
+  check_heads(options, found);
   found.raise(where);
   const auto cells = internal::map_cells(options);
   found.require(cells.grid[0] >= 1 && cells.grid[1] >= 1 && cells.grid[2] >= 1,

@@ -113,6 +113,9 @@ struct PostOptions {
   /// Which boxes suppression compares: those of the pointwise branch, so that the head works on the
   /// survivors alone, or those that are decoded from the head's distribution.
   std::string nms_on = "pointwise";
+  /// Which of the network's heads answers: Options::head if empty, else one of
+  /// Options::more_heads.
+  std::string head = {};
   /// The box of a detection: the distribution's `mode` (beam search), `mean`, a `quantile` box, or
   /// that of the `pointwise` branch.
   std::string box = "mode";
@@ -139,6 +142,8 @@ struct PostOptions {
     visitor.field(
         "nms_on", &Self::nms_on,
         {.help = "Which boxes suppression compares", .choices = {"pointwise", "decoded"}});
+    visitor.field("head", &Self::head,
+                  {.help = "Which of the network's heads answers; empty: its first"});
     visitor.field(
         "box", &Self::box,
         {.help = "The box of a detection", .choices = {"mode", "mean", "quantile", "pointwise"}});
@@ -167,6 +172,11 @@ struct Options {
   KeypointOptions keypoints;
   RegionOptions regions;
   heads::HeadConfig head = {.name = "pointwise", .options = {}, .codec = {}};
+  /// Further heads beside it, on the same features and with the same codec. PostOptions::head
+  /// chooses the one that answers.
+  std::vector<std::string> more_heads = {};
+  /// Changes to their options, each NAME.KEY=VALUE.
+  std::vector<std::string> more_head_options = {};
   PostOptions post;
 
   template <class Visitor>
@@ -190,12 +200,17 @@ struct Options {
     visitor.group("keypoints", &Options::keypoints, "Keypoints and what they gather");
     visitor.group("regions", &Options::regions, "The second stage");
     visitor.group("head", &Options::head, "The last step: a distribution over boxes");
+    visitor.field("more_heads", &Options::more_heads,
+                  {.help = "Further heads beside it, on the same features"});
+    visitor.field("more_head_options", &Options::more_head_options,
+                  {.help = "Changes to their options, each NAME.KEY=VALUE"});
     visitor.group("post", &Options::post, "From regions of interest to detections");
   }
 };
 
 /// Throws ConfigError that begins with `where` and lists every violation: values out of range,
-/// lists whose lengths do not agree, a range that is no whole number of voxels or empty.
+/// lists whose lengths do not agree, a range that is no whole number of voxels or empty, a head
+/// that is named twice, options and choices of heads that are not there.
 void require_valid(const Options& options, const std::string& where);
 
 }  // namespace arbox::detectors::pv_rcnn

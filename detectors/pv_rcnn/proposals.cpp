@@ -48,7 +48,7 @@ at::Tensor index_tensor(const std::vector<std::int64_t>& index) {
 
 Proposals Network::propose(const FirstStage& first, const ProposalOptions& options) const {
   const auto [best, labels] = first.scores.detach().max(1);
-  const at::Tensor scores = best.contiguous();
+  const at::Tensor scores = best.to(at::kFloat).contiguous();
   std::vector<at::Tensor> all_boxes;
   std::vector<std::int64_t> rows, scenes;
   Proposals result;
@@ -59,7 +59,7 @@ Proposals Network::propose(const FirstStage& first, const ProposalOptions& optio
     begin = end;
     const at::Tensor index = index_tensor(ranking.rows);
     at::Tensor boxes =
-        decode_residuals(first.residuals.detach().index_select(0, index),
+        decode_residuals(first.residuals.detach().index_select(0, index).to(at::kFloat),
                          anchors_.index_select(0, first.anchors.index_select(0, index)));
     boxes.select(1, 6).copy_(resolve_directions(boxes.select(1, 6),
                                                 first.directions.detach().index_select(0, index),

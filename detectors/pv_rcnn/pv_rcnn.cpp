@@ -1,10 +1,12 @@
 #include "arbox/detectors/pv_rcnn/pv_rcnn.h"
 
+#include <ATen/Parallel.h>
 #include <ATen/core/grad_mode.h>
 
 #include <sstream>
 
 #include "arbox/base/error.h"
+#include "arbox/base/parallel.h"
 #include "arbox/detectors/pv_rcnn/internal/post_processing.h"
 
 namespace arbox::detectors::pv_rcnn {
@@ -50,28 +52,46 @@ PvRcnn::PvRcnn(std::shared_ptr<Network> network,
 
 DetectionResult PvRcnn::detect(const geometry::PointCloudView& cloud,
                                const DetectionRequest& request) const {
+  heads::BoxHead* const head = &network_->head();
+  return detect_with({&head, 1}, cloud, request).front();
+}
+
+std::vector<DetectionResult> PvRcnn::detect_with_every_head(const geometry::PointCloudView& cloud,
+                                                            const DetectionRequest& request) const {
+  std::vector<heads::BoxHead*> heads;
+  for (const auto& [name, head] : network_->heads()) heads.push_back(head.get());
+  return detect_with(heads, cloud, request);
+}
+
+std::vector<DetectionResult> PvRcnn::detect_with(std::span<heads::BoxHead* const> heads,
+                                                 const geometry::PointCloudView& cloud,
+                                                 const DetectionRequest& request) const {
   require_request(request, calibration_.has_value());
   const at::NoGradGuard no_gradient;
+  at::get_num_threads();  // LibTorch chooses its threads when first asked, which would undo ours.
+  const ThreadScope threads(request.threads);
   const PointBatch batch = make_batch({&cloud, 1}, options(), false, 0);
-  DetectionResult result;
-  result.dropped_points = batch.dropped_points;
-  if (batch.voxels.size() == 0) return result;
+  std::vector<DetectionResult> results(heads.size());
+  for (DetectionResult& result : results) result.dropped_points = batch.dropped_points;
+  if (batch.voxels.size() == 0) return results;
   const FirstStage first = network_->first_stage(batch);
   const Proposals proposals = network_->propose(first, options().proposals);
-  result.dropped_boxes = proposals.dropped_boxes;
-  if (proposals.boxes.size(0) == 0) return result;
+  for (DetectionResult& result : results) result.dropped_boxes = proposals.dropped_boxes;
+  if (proposals.boxes.size(0) == 0) return results;
   const Keypoints keypoints = network_->keypoints(batch, first, proposals.boxes, proposals.scene);
   const SecondStage second = network_->second_stage(keypoints, proposals.boxes, proposals.scene);
-  DetectionResult found = internal::to_detections(*network_, {proposals, second}, request,
-                                                  calibration_ ? &*calibration_ : nullptr);
-  result.dropped_boxes += found.dropped_boxes;
-  result.detections = std::move(found.detections);
   const double shift = options().sensor_height.value_or(options().trained_sensor_height) -
                        options().trained_sensor_height;
-  if (shift != 0) {
-    for (geometry::Detection& detection : result.detections) lift(detection, -shift);
+  for (std::size_t i = 0; i < heads.size(); ++i) {
+    DetectionResult found =
+        internal::to_detections(*network_, *heads[i], {proposals, second}, request,
+                                calibration_ ? &*calibration_ : nullptr);
+    results[i].dropped_boxes += found.dropped_boxes;
+    results[i].detections = std::move(found.detections);
+    if (shift == 0) continue;
+    for (geometry::Detection& detection : results[i].detections) lift(detection, -shift);
   }
-  return result;
+  return results;
 }
 
 }  // namespace arbox::detectors::pv_rcnn

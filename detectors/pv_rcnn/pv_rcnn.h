@@ -2,6 +2,8 @@
 
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "arbox/detectors/detector.h"
 #include "arbox/detectors/pv_rcnn/network.h"
@@ -12,9 +14,9 @@ namespace arbox::detectors::pv_rcnn {
 /// PV-RCNN as a detector: proposals, regions, suppression, and the head on what is left.
 ///
 /// Each detection has the box that PostOptions::box names, its class and score (sigmoid of the
-/// confidence) and, where the head has a likelihood, log density, uncertainty (from
-/// PostOptions::samples draws) and quantile boxes as asked for. Heads without one (pointwise) give
-/// their one box for every quantile, and no uncertainty. Confidence boxes need a calibration.
+/// confidence) and, where the head (PostOptions::head) has a likelihood, log density, uncertainty
+/// (from PostOptions::samples draws) and quantile boxes as asked for. Heads without one (pointwise)
+/// give their one box for every quantile, and no uncertainty. Confidence boxes need a calibration.
 ///
 /// Input, and what becomes of it:
 /// - no points, or none in range: no detections;
@@ -36,11 +38,18 @@ class PvRcnn : public Detector {
   /// Throws InvalidArgument for a request out of range, and for confidences without a calibration.
   DetectionResult detect(const geometry::PointCloudView& cloud,
                          const DetectionRequest& request = {}) const override;
+  /// What each of Network::heads() makes of the same proposals, in their order.
+  std::vector<DetectionResult> detect_with_every_head(const geometry::PointCloudView& cloud,
+                                                      const DetectionRequest& request = {}) const;
 
   const Options& options() const { return network_->options(); }
   const Network& network() const { return *network_; }
 
  private:
+  std::vector<DetectionResult> detect_with(std::span<heads::BoxHead* const> heads,
+                                           const geometry::PointCloudView& cloud,
+                                           const DetectionRequest& request) const;
+
   std::shared_ptr<Network> network_;
   std::optional<evaluation::ConfidenceCalibration> calibration_;
 };

@@ -1,10 +1,12 @@
 #include "arbox/base/parallel.h"
 
 #include <gtest/gtest.h>
+#include <omp.h>
 
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "arbox/base/error.h"
@@ -86,6 +88,27 @@ TEST(DefaultThreads, IsWhatWasSetAndRefusesLessThanOne) {
   EXPECT_THROW(arbox::set_default_threads(0), arbox::InvalidArgument);
   EXPECT_THROW(arbox::set_default_threads(-1), arbox::InvalidArgument);
   EXPECT_EQ(arbox::default_threads(), 3);
+}
+
+TEST(ThreadScope, HoldsForItsThreadAndIsUndoneAtItsEnd) {
+  const int before = arbox::default_threads(), openmp = omp_get_max_threads();
+  {
+    const arbox::ThreadScope outer(5);
+    EXPECT_EQ(arbox::default_threads(), 5);
+    EXPECT_EQ(omp_get_max_threads(), 5);
+    {
+      const arbox::ThreadScope inner(2), same(0);
+      EXPECT_EQ(arbox::default_threads(), 2);
+      EXPECT_EQ(omp_get_max_threads(), 2);
+    }
+    EXPECT_EQ(arbox::default_threads(), 5);
+    EXPECT_EQ(omp_get_max_threads(), 5);
+    int elsewhere = 0;
+    std::thread([&] { elsewhere = arbox::default_threads(); }).join();
+    EXPECT_EQ(elsewhere, before);
+  }
+  EXPECT_EQ(arbox::default_threads(), before);
+  EXPECT_EQ(omp_get_max_threads(), openmp);
 }
 
 TEST(Errors, AreCaughtAsErrorAndAsRuntimeErrorWithTheirText) {

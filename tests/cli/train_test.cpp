@@ -83,7 +83,9 @@ class TrainCommand : public ::testing::Test {
         run_arbox({"simulate", "street", "--scenes", "4", "--output", *folder_ / "streets"});
     ASSERT_EQ(made.exit_code, 0) << made.errors;
     folder_->write("train.yaml", "network_file: " + small_network() + R"(
-model: {augmentation: {objects: {counts: [2, 2, 2]}}}
+model:
+  network: {more_heads: [gaussian], more_head_options: ["gaussian.hidden=[32]"]}
+  augmentation: {objects: {counts: [2, 2, 2]}}
 data: {kind: kitti, kitti: {root: )" +
                                      (*folder_ / "streets").string() + R"(, all_round: true}}
 train: {steps: 3, batch_size: 1, seed: 5}
@@ -130,6 +132,17 @@ TEST_F(TrainCommand, TrainsEndsAndResumes) {
   const auto rest = run_arbox({"train", "--resume", path("part"), "train.time_limit=0"});
   ASSERT_EQ(rest.exit_code, 0) << rest.errors;
   EXPECT_EQ(slurp(path("part") + "/model.arbox"), slurp(path("whole") + "/model.arbox"));
+
+  const std::string scan = path("streets") + "/training/velodyne/000000.bin";
+  for (const char* head : {"autoregressive", "gaussian"}) {
+    const auto found = run_arbox({"detect", scan, "--model", path("whole") + "/model.arbox",
+                                  "--head", head, "--score", "0", "--quantile", "0.2"});
+    ASSERT_EQ(found.exit_code, 0) << found.errors;
+    const auto detections = nlohmann::json::parse(found.output).at("detections");
+    ASSERT_FALSE(detections.empty()) << head;
+    EXPECT_EQ(detections[0].at("quantile_boxes").size(), 1);
+    EXPECT_TRUE(detections[0].contains("uncertainty"));
+  }
 
   expect_one_line_error(run_arbox({"train", path("train.yaml"), "--output", path("whole")}), 1,
                         {"holds a training run"});

@@ -14,6 +14,7 @@
 #include "arbox/base/error.h"
 #include "arbox/heads/parameters.h"
 #include "arbox/io/npz.h"
+#include "arbox/io/point_cloud_file.h"
 #include "arbox/sparse/layers.h"
 #include "support/program.h"
 
@@ -64,6 +65,7 @@ std::filesystem::path made(const std::string& name) {
   static const testing::TemporaryDirectory folder;
   static const testing::RunResult result = [] {
     write_entries(folder / "entries.txt", small_options());
+    std::filesystem::create_directory(folder / "models");
     return testing::run("/usr/bin/python3", {ARBOX_MAKE_OPENPCDET, folder.path().string()});
   }();
   EXPECT_EQ(result.exit_code, 0) << result.errors;
@@ -160,6 +162,40 @@ TEST(Import, GivesAModelThatRuns) {
     EXPECT_EQ(first[i].box.center, second[i].box.center);
     EXPECT_EQ(first[i].quantile_boxes.size(), 1U);
   }
+}
+
+TEST(Import, TheProgramDetectsWithTheModel) {
+  const Import result = imported("spconv2.pth");
+  save_model(made("models/small.arbox"), *result.model.network);
+  io::write_point_cloud(made("cloud.pcd"), made_cloud().view());
+  testing::RunOptions with_models;
+  with_models.environment["ARBOX_MODEL_PATH"] = made("models").string();
+  const std::string cloud = made("cloud.pcd").string();
+  const auto by_name = testing::run_arbox(
+      {"detect", cloud, "--model", "small", "--score", "0", "--quantile", "0.2"}, with_models);
+  EXPECT_THAT(by_name.output, AllOf(HasSubstr("quantile_boxes"), HasSubstr("\"uncertainty\"")))
+      << by_name.errors;
+  const auto by_path = testing::run_arbox(
+      {"detect", cloud, "--model", made("models/small.arbox").string(), "--score", "0", "--set",
+       "post.detections=1", "--set", "post.box=pointwise"});
+  EXPECT_THAT(by_path.output, HasSubstr("\"score\"")) << by_path.errors;
+  EXPECT_LT(by_path.output.size(), by_name.output.size());
+  const auto mean =
+      testing::run_arbox({"detect", cloud, "--model", "small", "--mode", "mean"}, with_models);
+  EXPECT_EQ(mean.exit_code, 0) << mean.errors;
+  const auto refused = [&](std::vector<std::string> more, int exit_code, const char* part) {
+    more.insert(more.begin(), {"detect", cloud, "--model"});
+    testing::expect_one_line_error(testing::run_arbox(more, with_models), exit_code, {part});
+  };
+  refused({"smell"}, 1, "unknown model 'smell', nearest is 'small'");
+  refused({"small", "--confidence", "0.9"}, 1, "calibration");
+  refused({"small", "--detector", "cluster_fit"}, 2, "--model");
+  refused({"small", "--head", "gaussian"}, 2, "unknown head 'gaussian'");
+  refused({"small", "--mode", "best"}, 2, "--mode");
+  refused({"small", "--set", "post.boks=mean"}, 2, "nearest is 'post.box'");
+  refused({made("entries.txt").string() + ".arbox"}, 1, "no such file");
+  testing::expect_one_line_error(testing::run_arbox({"detect", cloud, "--mode", "mean"}), 2,
+                                 {"--model"});
 }
 
 TEST(Import, TellsWhatItDoesNotUse) {

@@ -109,8 +109,8 @@ TEST(PvRcnnTrainee, FrozenPartsRunWithoutGradientAndTheirLossesAreLeftOut) {
 
 TEST(PvRcnnTrainee, SeveralHeadsLearnSideBySide) {
   PvRcnnTraineeOptions options = tiny_options();
-  options.more_heads = {"gaussian", "discrete", "pointwise"};
-  options.more_head_options = {"discrete.hidden=[16]", "gaussian.hidden=[16]"};
+  options.network.more_heads = {"gaussian", "discrete", "pointwise"};
+  options.network.more_head_options = {"discrete.hidden=[16]", "gaussian.hidden=[16]"};
   const auto made = tiny_trainee(options);
   PvRcnnTrainee& trainee = *made;
   const StepLoss loss = step(trainee, {made_scene(1)});
@@ -118,7 +118,7 @@ TEST(PvRcnnTrainee, SeveralHeadsLearnSideBySide) {
   EXPECT_TRUE(loss.terms.contains("head discrete"));
   EXPECT_TRUE(loss.terms.contains("discrete likelihood"));
   EXPECT_FALSE(loss.terms.contains("head pointwise")) << "it learns by the residuals' losses";
-  EXPECT_EQ(trainee.heads().size(), 4u);
+  EXPECT_EQ(trainee.detector()->heads().size(), 4u);
   trainee.network().eval();
   const auto figures = trainee.evaluate(ListedScenes({made_scene(1)}));
   for (const char* head : {"autoregressive", "gaussian", "discrete", "pointwise"}) {
@@ -195,19 +195,21 @@ TEST(PvRcnnTrainee, TheSharesOfTwoProcessesAddUpToTheWholeBatch) {
   }
 }
 
-TEST(PvRcnnTrainee, SavedModelsHoldTheWeightsOfTheirHead) {
+TEST(PvRcnnTrainee, SavedModelsHoldTheWeightsOfEveryHead) {
   PvRcnnTraineeOptions options = tiny_options();
-  options.more_heads = {"gaussian"};
-  options.more_head_options = {"gaussian.hidden=[24]"};
+  options.network.more_heads = {"gaussian"};
+  options.network.more_head_options = {"gaussian.hidden=[24]"};
   const auto made = tiny_trainee(options);
   PvRcnnTrainee& trainee = *made;
   const arbox::testing::TemporaryDirectory folder;
   trainee.save(folder / "model.arbox");
-  const auto own = detectors::pv_rcnn::load_model(folder / "model.arbox");
-  const auto further = detectors::pv_rcnn::load_model(folder / "model.gaussian.arbox");
-  EXPECT_EQ(own.network->options().head.name, "autoregressive");
-  EXPECT_EQ(further.network->options().head.name, "gaussian");
-  const auto expected = trainee.heads()[1].second->parameters();
+  using detectors::pv_rcnn::load_model;
+  const auto own = load_model(folder / "model.arbox");
+  EXPECT_EQ(&own.network->head(), own.network->heads()[0].second.get());
+  const auto further = load_model(folder / "model.arbox", {"post.head=gaussian"});
+  ASSERT_EQ(further.network->heads().size(), 2u);
+  EXPECT_EQ(&further.network->head(), further.network->heads()[1].second.get());
+  const auto expected = trainee.detector()->heads()[1].second->parameters();
   const auto found = further.network->head().parameters();
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) EXPECT_TRUE(found[i].equal(expected[i]));
@@ -235,12 +237,15 @@ TEST(PvRcnnTrainee, RefusesOptionsThatDoNotFit) {
     }
     options = tiny_options();
   };
-  options.more_heads = {"gaussian", "gaussian"};
+  options.network.more_heads = {"gaussian", "gaussian"};
   expect_refused("gaussian");
-  options.more_heads = {"autoregressive"};
+  options.network.more_heads = {"autoregressive"};
   expect_refused("autoregressive");
-  options.more_head_options = {"gaussian.hidden=[16]"};
+  options.network.more_head_options = {"gaussian.hidden=[16]"};
   expect_refused("more_head_options");
+  options.network.post.head = "gausian";
+  options.network.more_heads = {"gaussian"};
+  expect_refused("nearest is 'gaussian'");
   options.augmentation.objects.counts = {1, 2, 3};
   expect_refused("augmentation.objects.counts");
   options.losses.focal_alpha = 2;

@@ -1,61 +1,21 @@
 #include "arbox/training/pv_rcnn/evaluation.h"
 
-#include <ATen/TensorOperators.h>
-#include <torch/csrc/autograd/grad_mode.h>
-
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "arbox/detectors/pv_rcnn/box_coding.h"
-#include "arbox/geometry/nms.h"
+#include "arbox/detectors/pv_rcnn/pv_rcnn.h"
 #include "arbox/geometry/overlap.h"
-#include "arbox/heads/box_tensor.h"
 #include "arbox/io/kitti.h"
-#include "arbox/training/internal/tensors.h"
 
 namespace arbox::training::pv_rcnn {
 
-using at::Tensor;
 using detectors::pv_rcnn::Network;
 using detectors::pv_rcnn::Options;
 using geometry::Box;
 using geometry::Detection;
 
 namespace {
-
-/// Regions of a scan that suppression left, best first.
-struct Survivors {
-  std::vector<std::int64_t> rows;
-  std::vector<double> scores;
-};
-
-bool is_usable(const Tensor& row) {
-  return row.isfinite().all().item<bool>() && (row.slice(0, 3, 6) > 0).all().item<bool>();
-}
-
-Survivors survivors(const Tensor& boxes, const detectors::pv_rcnn::SecondStage& second,
-                    const detectors::pv_rcnn::PostOptions& post) {
-  const Tensor scores = second.confidence.sigmoid().to(at::kDouble);
-  std::vector<std::int64_t> rows;
-  std::vector<double> values;
-  for (std::int64_t i = 0; i < boxes.size(0); ++i) {
-    const double score = scores[i].item<double>();
-    if (!(score >= post.score) || !is_usable(boxes[i])) continue;
-    if (!second.features[i].isfinite().all().item<bool>()) continue;
-    rows.push_back(i);
-    values.push_back(score);
-  }
-  const auto kept = geometry::nms(
-      internal::to_boxes(boxes.index_select(0, internal::to_tensor(rows))), values,
-      {.threshold = post.nms_iou, .pre_limit = post.nms_candidates, .post_limit = post.detections});
-  Survivors result;
-  for (const std::int64_t i : kept.kept) {
-    result.rows.push_back(rows[i]);
-    result.scores.push_back(values[i]);
-  }
-  return result;
-}
 
 /// Label fields that the protocol takes for each difficulty; the last is harder than hard.
 struct Seen {
@@ -136,36 +96,6 @@ void add_figures(const evaluation::KittiReport& report, const Found& found,
 
 }  // namespace
 
-std::vector<std::vector<Detection>> detect_with(Network& network, const NamedHeads& heads,
-                                                const geometry::PointCloudView& cloud) {
-  const torch::NoGradGuard guard;
-  const Options& options = network.options();
-  const auto batch = make_batch(std::span(&cloud, 1), options, false, 0);
-  const auto first = network.first_stage(batch);
-  const auto proposals = network.propose(first, options.proposals);
-  const auto keypoints = network.keypoints(batch, first, proposals.boxes, proposals.scene);
-  const auto second = network.second_stage(keypoints, proposals.boxes, proposals.scene);
-  const Survivors kept =
-      survivors(detectors::pv_rcnn::decode_region_residuals(second.residuals, proposals.boxes),
-                second, options.post);
-  const Tensor rows = internal::to_tensor(kept.rows);
-  const heads::HeadInput input = network.head_input(second, proposals.boxes).select(rows);
-  const Tensor labels = proposals.labels.index_select(0, rows);
-  std::vector<std::vector<Detection>> result;
-  for (const auto& [name, head] : heads) {
-    auto& detections = result.emplace_back();
-    const Tensor boxes = head->forward(input)->mode(options.post.beam_width).boxes.select(1, 0);
-    for (std::size_t i = 0; i < kept.rows.size(); ++i) {
-      const auto row = static_cast<std::int64_t>(i);
-      if (!is_usable(boxes[row])) continue;
-      detections.push_back(detection(options.classes[labels[row].item<std::int64_t>()],
-                                     kept.scores[i],
-                                     heads::to_boxes(boxes.slice(0, row, row + 1))[0]));
-    }
-  }
-  return result;
-}
-
 evaluation::KittiFrame to_kitti_frame(const Scene& scene, std::span<const Detection> detections,
                                       const Options& options) {
   evaluation::KittiFrame frame;
@@ -199,18 +129,20 @@ std::vector<evaluation::KittiClass> kitti_classes(const std::vector<std::string>
   return result;
 }
 
-std::map<std::string, std::map<std::string, double>> evaluate_heads(Network& network,
-                                                                    const NamedHeads& heads,
-                                                                    const SceneSource& scenes) {
-  const Options& options = network.options();
+std::map<std::string, std::map<std::string, double>> evaluate_heads(
+    const std::shared_ptr<Network>& network, const SceneSource& scenes) {
+  const Options& options = network->options();
+  const auto& heads = network->heads();
+  const detectors::pv_rcnn::PvRcnn detector(network);
   std::vector<std::vector<evaluation::KittiFrame>> frames(heads.size());
   std::vector<Found> found(heads.size(), Found(options.classes.size()));
   for (std::int64_t i = 0; i < scenes.size(); ++i) {
     const Scene scene = scenes.scene(i);
-    const auto detections = detect_with(network, heads, scene.cloud.view());
+    const auto results =
+        detector.detect_with_every_head(scene.cloud.view(), {.uncertainty = false});
     for (std::size_t h = 0; h < heads.size(); ++h) {
-      frames[h].push_back(to_kitti_frame(scene, detections[h], options));
-      found[h].add(scene, detections[h], options);
+      frames[h].push_back(to_kitti_frame(scene, results[h].detections, options));
+      found[h].add(scene, results[h].detections, options);
     }
   }
   std::map<std::string, std::map<std::string, double>> result;

@@ -5,7 +5,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "arbox/detectors/pv_rcnn/network.h"
@@ -17,15 +16,6 @@
 /// How well a network under training does on scenes in memory.
 
 namespace arbox::training::pv_rcnn {
-
-using NamedHeads = std::vector<std::pair<std::string, std::shared_ptr<heads::BoxHead>>>;
-
-/// Detections of a scan by each head, from the same proposals, confidences and suppression
-/// (Options::post; suppression on the pointwise boxes). Without gradient; the network must be in
-/// eval mode.
-std::vector<std::vector<geometry::Detection>> detect_with(detectors::pv_rcnn::Network& network,
-                                                          const NamedHeads& heads,
-                                                          const geometry::PointCloudView& cloud);
 
 /// Labels and detections of a scene for evaluate_kitti. A scene does not know of images, so the
 /// labels get a height in the image, an occlusion and a truncation that the protocol takes for
@@ -40,10 +30,11 @@ evaluation::KittiFrame to_kitti_frame(const Scene& scene,
 /// "other CLASS" as its neighbour.
 std::vector<evaluation::KittiClass> kitti_classes(const std::vector<std::string>& classes);
 
-/// By head: "CLASS 3d R40 DIFFICULTY", "CLASS bev R40 DIFFICULTY" in percent, and "CLASS found",
-/// the mean over the objects (those harder than hard left out) of the IoU with the best detection
-/// of the class; 0 where a class has no objects. Scenes are read one after the other.
+/// How well each head detects with the network's options (pv_rcnn.h). By head: "CLASS 3d R40
+/// DIFFICULTY", "CLASS bev R40 DIFFICULTY" in percent, and "CLASS found", the mean over the objects
+/// (those harder than hard left out) of the IoU with the best detection of the class; 0 where a
+/// class has no objects. Scenes are read one after the other. Puts the network into eval mode.
 std::map<std::string, std::map<std::string, double>> evaluate_heads(
-    detectors::pv_rcnn::Network& network, const NamedHeads& heads, const SceneSource& scenes);
+    const std::shared_ptr<detectors::pv_rcnn::Network>& network, const SceneSource& scenes);
 
 }  // namespace arbox::training::pv_rcnn

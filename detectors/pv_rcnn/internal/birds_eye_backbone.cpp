@@ -7,6 +7,7 @@
 #include <ATen/ops/relu.h>
 #include <ATen/ops/zeros.h>
 
+#include "arbox/base/parallel.h"
 #include "arbox/detectors/pv_rcnn/internal/norm_options.h"
 #include "arbox/detectors/pv_rcnn/internal/row_layer.h"
 
@@ -97,8 +98,13 @@ std::shared_ptr<const MapPlan> BirdsEyeBackbone::plan_for(const at::Tensor& map)
   std::uint64_t version = 0;
   for (const auto& tensor : parameters()) version += tensor._version();
   for (const auto& tensor : buffers()) version += tensor._version();
+  // Primitives are made for a number of threads.
+  const int threads = default_threads();
   const std::scoped_lock lock(plan_mutex_);
-  if (plan_ && plan_version_ == version && map.sizes() == plan_->sizes()) return plan_;
+  if (plan_ && plan_version_ == version && plan_threads_ == threads &&
+      map.sizes() == plan_->sizes()) {
+    return plan_;
+  }
   std::vector<std::vector<FoldedLayer>> blocks;
   std::vector<FoldedLayer> ups;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
@@ -108,6 +114,7 @@ std::shared_ptr<const MapPlan> BirdsEyeBackbone::plan_for(const at::Tensor& map)
   }
   plan_ = std::make_shared<const MapPlan>(blocks, ups, map.sizes());
   plan_version_ = version;
+  plan_threads_ = threads;
   return plan_;
 }
 

@@ -55,8 +55,9 @@ class BirdsEyeBackbone : public torch::nn::Module {
   std::vector<std::vector<MapLayer>> blocks_;
   std::vector<MapLayer> up_;
   mutable std::mutex plan_mutex_;
-  mutable std::shared_ptr<const MapPlan> plan_;  // until a parameter or the map's shape changes
+  mutable std::shared_ptr<const MapPlan> plan_;  // until parameters, threads or the shape change
   mutable std::uint64_t plan_version_ = 0;
+  mutable int plan_threads_ = 0;
 };
 
 /// The cells of a grid-bounded tensor as a map (B, C * Z, Y, X), channel c * Z + z, channels last

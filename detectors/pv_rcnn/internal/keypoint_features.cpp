@@ -103,11 +103,12 @@ at::Tensor KeypointFeatures::gather(const ChosenPoints& keypoints, const PointBa
   std::vector<at::Tensor> parts;
   if (options_.keypoints.birds_eye != "none") parts.push_back(from_map(keypoints, first));
   if (points_) {
-    parts.push_back(points_->forward({.points = batch.points.slice(1, 0, 3),
-                                      .features = batch.points.slice(1, 3, 4),
-                                      .centres = keypoints.points,
-                                      .point_counts = batch.point_counts,
-                                      .centre_counts = keypoints.counts}));
+    parts.push_back(
+        points_->forward({.points = batch.points.slice(1, 0, 3),
+                          .features = batch.points.slice(1, 3, 4).to(first.scores.scalar_type()),
+                          .centres = keypoints.points,
+                          .point_counts = batch.point_counts,
+                          .centre_counts = keypoints.counts}));
   }
   for (std::size_t source = 0; source < levels_.size(); ++source) {
     parts.push_back(from_level(source, keypoints, first.levels[level_numbers_[source]]));

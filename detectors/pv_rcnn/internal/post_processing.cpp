@@ -112,10 +112,14 @@ Tensor quantile_rows(const heads::DistributionBoxes& summary, const Tensor& fall
   return rows;
 }
 
-Answer ask(Network& network, const heads::HeadInput& input, const Tensor& pointwise,
-           const DetectionRequest& request) {
-  const PostOptions& options = network.options().post;
-  const auto distribution = network.head().forward(input);
+bool needs_draws(const DetectionRequest& request, const PostOptions& options) {
+  return request.uncertainty || request.samples || options.box == "quantile" ||
+         !request.quantiles.empty() || !request.confidences.empty();
+}
+
+Answer ask(heads::BoxHead& head, const heads::HeadInput& input, const Tensor& pointwise,
+           const DetectionRequest& request, const PostOptions& options) {
+  const auto distribution = head.forward(input);
   Answer answer;
   heads::DistributionBoxOptions wanted;
   wanted.samples = options.samples;
@@ -123,7 +127,10 @@ Answer ask(Network& network, const heads::HeadInput& input, const Tensor& pointw
   wanted.threads = request.threads;
   // The box itself, if it is a quantile box, comes last.
   if (options.box == "quantile") wanted.quantiles.push_back(options.quantile);
-  answer.summary = heads::distribution_boxes(*distribution, input.streams(), wanted);
+  answer.summary.objects.resize(distribution->size());
+  if (needs_draws(request, options)) {
+    answer.summary = heads::distribution_boxes(*distribution, input.streams(), wanted);
+  }
   if (options.box == "pointwise") {
     answer.boxes = pointwise;
   } else if (options.box == "mean") {
@@ -168,8 +175,8 @@ geometry::Detection to_detection(const Candidates& candidates, std::size_t i,
 
 }  // namespace
 
-DetectionResult to_detections(Network& network, const RegionResults& results,
-                              const DetectionRequest& request,
+DetectionResult to_detections(const Network& network, heads::BoxHead& head,
+                              const RegionResults& results, const DetectionRequest& request,
                               const evaluation::ConfidenceCalibration* calibration) {
   const Options& options = network.options();
   DetectionResult result;
@@ -181,8 +188,8 @@ DetectionResult to_detections(Network& network, const RegionResults& results,
   const Tensor index = index_tensor(candidates.rows);
   const Tensor pointwise = decode_region_residuals(results.second.residuals.index_select(0, index),
                                                    results.proposals.boxes.index_select(0, index));
-  Answer answer =
-      ask(network, input_of(network, results, candidates, request.seed), pointwise, request);
+  Answer answer = ask(head, input_of(network, results, candidates, request.seed), pointwise,
+                      request, options.post);
   const UsableBoxes usable = usable_boxes(answer.boxes);
   result.dropped_boxes += usable.dropped;
   Candidates decoded = candidates.select(usable.rows);

@@ -14,10 +14,10 @@ struct RegionResults {
   const SecondStage& second;
 };
 
-/// Scores, suppression, and boxes from the head. Throws InvalidArgument for confidences without a
-/// calibration.
-DetectionResult to_detections(Network& network, const RegionResults& results,
-                              const DetectionRequest& request,
+/// Scores, suppression, and boxes from one of the network's heads. Throws InvalidArgument for
+/// confidences without a calibration.
+DetectionResult to_detections(const Network& network, heads::BoxHead& head,
+                              const RegionResults& results, const DetectionRequest& request,
                               const evaluation::ConfidenceCalibration* calibration);
 
 }  // namespace arbox::detectors::pv_rcnn::internal

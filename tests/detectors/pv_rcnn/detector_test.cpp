@@ -3,7 +3,10 @@
 
 #include <ATen/Context.h>
 
+#include <filesystem>
 #include <limits>
+#include <set>
+#include <string>
 #include <thread>
 
 #include "arbox/base/error.h"
@@ -192,6 +195,66 @@ TEST(PvRcnnDetector, ThreadsShareADetector) {
   for (std::size_t i = 0; i < results.size(); ++i) {
     expect_same(results[i], i % 2 == 0 ? alone_first : alone_second, 0);
   }
+}
+
+std::set<std::string> running_threads() {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) {
+    names.insert(entry.path().filename());
+  }
+  return names;
+}
+
+/// Threads that OpenMP makes, and keeps, for the work of a thread.
+std::ptrdiff_t helpers_of(const PvRcnn& detector, const geometry::PointCloudView& cloud,
+                          int threads) {
+  std::ptrdiff_t helpers = 0;
+  std::thread([&] {
+    const auto before = running_threads();
+    detector.detect(cloud, {.quantiles = {0.2}, .threads = threads});
+    for (const std::string& name : running_threads()) helpers += !before.contains(name);
+  }).join();
+  return helpers;
+}
+
+TEST(PvRcnnDetector, TakesAsManyThreadsAsItMay) {
+  const auto scan = made_scan(1);
+  for (const bool sparse : {true, false}) {
+    auto network = std::make_shared<Network>(small_options(sparse, small_autoregressive()));
+    const PvRcnn detector(network);
+    EXPECT_EQ(helpers_of(detector, view_of(scan), 1), 0);
+    EXPECT_THAT(helpers_of(detector, view_of(scan), 3),
+                testing::AllOf(testing::Ge(1), testing::Le(2)));
+    expect_same(detector.detect(view_of(scan), {.threads = 1}),
+                detector.detect(view_of(scan), {.threads = 3}), 1e-3);
+  }
+}
+
+TEST(PvRcnnDetector, HeadsAnswerForTheSameProposals) {
+  const std::vector<std::string> more = {"more_heads=[gaussian, pointwise]",
+                                         "more_head_options=['gaussian.hidden=[16]']"};
+  const auto with = [&](const char* head) {
+    auto changes = more;
+    changes.push_back(std::string("post.head=") + head);
+    return made_detector(changes);
+  };
+  const auto scan = made_scan(1);
+  const auto all = made_detector(more).detect_with_every_head(view_of(scan));
+  ASSERT_EQ(all.size(), 3U);
+  const char* names[] = {"", "gaussian", "pointwise"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto alone = with(names[i]).detect(view_of(scan));
+    ASSERT_FALSE(alone.detections.empty());
+    expect_same(all[i], alone, 0);
+    EXPECT_EQ(alone.detections[0].uncertainty.has_value(), i < 2);
+  }
+  EXPECT_NE(all[0].detections[0].box.center, all[1].detections[0].box.center);
+  const auto bare = with("gaussian").detect(view_of(scan), {.uncertainty = false});
+  expect_same(bare, all[1], 0);
+  EXPECT_FALSE(bare.detections[0].uncertainty);
+  EXPECT_THROW(with("gausian"), ConfigError);
+  EXPECT_THROW(made_detector({"more_heads=[autoregressive]"}), ConfigError);
+  EXPECT_THROW(made_detector({"more_head_options=['gaussian.hidden=[16]']"}), ConfigError);
 }
 
 TEST(PvRcnnDetector, RequestsOutOfRangeAreRefused) {

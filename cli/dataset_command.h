@@ -42,8 +42,8 @@ struct DatasetConvertFlags {
 /// Writes a dataset in another layout (`arbox convert DATASET DATASET`).
 void convert_dataset(const DatasetConvertFlags& flags);
 
-/// A scene of a dataset: that of the name, or the first one of its first split. Throws UsageError
-/// for a name that no split has.
+/// A scene of a dataset: that of the name, or the first one of its last split, which holds all.
+/// Throws UsageError for a name that no split has.
 io::LabeledScene find_scene(const io::DatasetReader& dataset, const std::string& name);
 
 }  // namespace arbox::cli

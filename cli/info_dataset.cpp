@@ -112,9 +112,11 @@ void info_dataset(const DatasetInfoFlags& flags) {
 
 io::LabeledScene find_scene(const io::DatasetReader& dataset, const std::string& name) {
   const auto splits = dataset.splits();
+  // The last split holds what is there, the others may list what is not.
+  const auto all = dataset.names(splits.back());
+  if (name.empty() && !all.empty()) return dataset.load(splits.back(), all.front());
   for (const std::string& split : splits) {
     const auto names = dataset.names(split);
-    if (name.empty() && !names.empty()) return dataset.load(split, names.front());
     if (std::find(names.begin(), names.end(), name) != names.end()) {
       return dataset.load(split, name);
     }

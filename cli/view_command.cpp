@@ -8,6 +8,7 @@
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/commands.h"
 #include "arbox/cli/dataset_command.h"
+#include "arbox/cli/masked_picture.h"
 #include "arbox/cli/option_flags.h"
 #include "arbox/cli/picture_output.h"
 #include "arbox/cli/standard_input.h"
@@ -22,44 +23,31 @@ struct ViewFlags {
   std::string cloud, boxes, labels, calibration, image, output;
   std::string dataset, scene_name;
   io::DatasetOptions dataset_options;
-  bool color_given = false;
+  bool color_given = false, azimuth_given = false, captions_given = false;
   io::ReadOptions read;
   drawing::SceneOptions scene;
 };
 
-/// Axes of `room` to those of `camera`.
-Eigen::Matrix3d camera_from_room() {
+/// From a camera that looks down into a bin to a frame whose x axis is up in its image and whose z
+/// axis comes towards it, as pictures from above have them.
+Eigen::Matrix3d bin_from_camera() {
   Eigen::Matrix3d turn;
-  turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  turn << 0, -1, 0, -1, 0, 0, 0, 0, -1;
   return turn;
 }
 
-/// The colours of a depth camera, or its depths in grey, with each object's amodal mask as a tint
-/// and its visible one stronger.
-drawing::Image masked_picture(const io::RgbdImages& images) {
-  drawing::Image picture(images.width, images.height, {});
-  const float farthest = *std::max_element(images.depth.begin(), images.depth.end());
-  float nearest = farthest;
-  for (const float depth : images.depth) nearest = depth > 0 ? std::min(nearest, depth) : nearest;
-  for (std::size_t i = 0; i < images.depth.size(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float share = (farthest - images.depth[i]) / std::max(farthest - nearest, 1e-6F);
-      const auto grey = static_cast<std::uint8_t>(images.depth[i] > 0 ? 60 + 180 * share : 0);
-      picture.pixels[3 * i + c] = images.rgb.empty() ? grey : images.rgb[3 * i + c];
-    }
+/// Points and boxes of a bin in that frame.
+io::LabeledScene seen_from_above(io::LabeledScene scene) {
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+  turn.linear() = bin_from_camera();
+  for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
+    Eigen::Map<Eigen::Vector3f> point(scene.cloud.values.data() + i * scene.cloud.columns());
+    point = (turn.linear().cast<float>() * point).eval();
   }
-  for (std::size_t n = 0; n < images.amodal_masks.size(); ++n) {
-    const drawing::Color tint = drawing::palette_color(static_cast<int>(n));
-    for (std::size_t i = 0; i < images.depth.size(); ++i) {
-      const double strength =
-          images.visible_masks[n][i] != 0 ? 0.45 : (images.amodal_masks[n][i] != 0 ? 0.2 : 0.0);
-      if (strength == 0.0) continue;
-      std::uint8_t* pixel = picture.pixels.data() + 3 * i;
-      const drawing::Color mixed = drawing::mix({pixel[0], pixel[1], pixel[2]}, tint, strength);
-      pixel[0] = mixed.r, pixel[1] = mixed.g, pixel[2] = mixed.b;
-    }
+  for (io::LabeledObject& object : scene.objects) {
+    object.box = geometry::transformed(object.box, turn);
   }
-  return picture;
+  return scene;
 }
 
 void check(const ViewFlags& flags) {
@@ -99,7 +87,8 @@ std::vector<geometry::Detection> to_truth(const std::vector<io::LabeledObject>& 
 void view_dataset(const ViewFlags& flags) {
   const auto dataset = io::open_dataset(flags.dataset, flags.dataset_options);
   const io::LabeledScene loaded = find_scene(*dataset, flags.scene_name);
-  const io::LabeledScene shown = loaded.frame == io::SceneFrame::kCamera
+  const io::LabeledScene shown = loaded.images ? seen_from_above(loaded)
+                                 : loaded.frame == io::SceneFrame::kCamera
                                      ? io::converted(loaded, io::SceneFrame::kRoom)
                                      : loaded;
   drawing::Scene scene;
@@ -115,13 +104,18 @@ void view_dataset(const ViewFlags& flags) {
   if (!flags.color_given && scene.cloud.find("r") != nullptr) {
     options.color = drawing::PointColor::kRgb;
   }
+  // Rooms are seen from where depth cameras stand, which look along y; all objects of a bin are
+  // "object".
+  if (!flags.azimuth_given && shown.frame == io::SceneFrame::kRoom) options.azimuth = -110.0;
+  if (!flags.captions_given && loaded.images) options.captions = false;
   if (shown.photo) {
     scene.photo = {drawing::read_image(shown.photo->path), shown.photo->projection};
   }
   if (loaded.images) {
     scene.photo = drawing::Photo{masked_picture(*loaded.images), {}};
     scene.photo->projection.setZero();
-    scene.photo->projection.leftCols<3>() = loaded.images->intrinsic * camera_from_room();
+    scene.photo->projection.leftCols<3>() =
+        loaded.images->intrinsic * bin_from_camera().transpose();
   }
   const drawing::Image image = drawing::draw_scene(scene, options);
   drawing::write_image(image, flags.output);
@@ -209,6 +203,8 @@ void add_view(CLI::App& app) {
         "A room in its own colours, from further above"}});
   command->callback([command, flags] {
     flags->color_given = command->count("--color") > 0;
+    flags->azimuth_given = command->count("--azimuth") > 0;
+    flags->captions_given = command->count("--captions") > 0;
     view(*flags);
   });
 }

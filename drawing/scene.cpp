@@ -46,7 +46,9 @@ Image scaled(const Image& image, int width, int height) {
 
 void draw_photo(Canvas& canvas, const Scene& scene, SceneOptions options, const Rect& rect) {
   options.background = Background::kLight;
-  const Theme theme = make_theme(options);
+  Theme theme = make_theme(options);
+  // What the photo shows behind is to be seen.
+  theme.front_opacity = 0.1;
   const Photo& photo = *scene.photo;
   const int width = static_cast<int>(rect.width()), height = static_cast<int>(rect.height());
   canvas.paste(scaled(photo.image, width, height), static_cast<int>(rect.left),

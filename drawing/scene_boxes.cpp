@@ -44,12 +44,15 @@ std::vector<Eigen::Vector3d> in_frame(const Box& box, std::initializer_list<Eige
 }
 
 // A pale front face and an arrow head on the top face tell where the box points to.
-void draw_heading(Canvas& canvas, const Projection& projection, const Box& box, Color color) {
-  const double nose = std::min(1.0, 0.9 * box.size.y() / box.size.x());
+void draw_heading(Canvas& canvas, const Theme& theme, const Projection& projection, const Box& box,
+                  Color color) {
+  // In halves of the box: as on a car, but not half of a bed.
+  const double nose = std::min(0.5, 0.9 * box.size.y() / box.size.x());
+  const double wing = std::min(0.62, 0.7 * nose * box.size.x() / box.size.y());
   canvas.fill(projection.polygon(in_frame(box, {{1, -1, -1}, {1, 1, -1}, {1, 1, 1}, {1, -1, 1}})),
-              color, 0.22);
+              color, theme.front_opacity);
   canvas.fill(projection.polygon(
-                  in_frame(box, {{0.94, 0, 1}, {0.94 - nose, 0.62, 1}, {0.94 - nose, -0.62, 1}})),
+                  in_frame(box, {{0.94, 0, 1}, {0.94 - nose, wing, 1}, {0.94 - nose, -wing, 1}})),
               color, 0.55);
 }
 
@@ -87,7 +90,7 @@ void draw_prediction(Canvas& canvas, const Theme& theme, const Projection& proje
                      const Detection& detection, Color color) {
   draw_uncertainty(canvas, theme, projection, detection, color);
   draw_top(canvas, projection, detection.box, color);
-  draw_heading(canvas, projection, detection.box, color);
+  draw_heading(canvas, theme, projection, detection.box, color);
   draw_wireframe(canvas, projection, detection.box,
                  {.color = theme.panel, .width = 3.4 * theme.unit, .opacity = 0.55});
   draw_wireframe(canvas, projection, detection.box, {.color = color, .width = 1.9 * theme.unit});
@@ -193,7 +196,7 @@ void draw_boxes(Canvas& canvas, const Theme& theme, const Scene& scene,
   for (const std::size_t i : far_to_near(scene.truth, projection)) {
     const Detection& detection = scene.truth[i];
     const bool front = scene.truth_has_front.empty() || scene.truth_has_front[i];
-    if (alone && front) draw_heading(canvas, projection, detection.box, color_of(detection));
+    if (alone && front) draw_heading(canvas, theme, projection, detection.box, color_of(detection));
     draw_truth(canvas, theme, projection, detection.box, alone ? color_of(detection) : theme.ink);
   }
   if (!labels) return;

@@ -16,7 +16,8 @@
 /// A box fits an object if the points close to it lie inside and fill it. Each box is tried as it
 /// is and under every mistake that people make: half and double sizes, length and width swapped,
 /// yaw of the other sense, in degrees, another frame, the centre of the bottom face. A mistake is
-/// reported if undoing it makes clearly more boxes fit than it spoils.
+/// reported if undoing it makes clearly more boxes fit than it spoils. Scenes in the frame
+/// `camera`, where nothing says what is below, are not tried so; all else is checked there, too.
 
 namespace arbox::io {
 

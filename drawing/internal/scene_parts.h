@@ -18,6 +18,8 @@ struct Theme {
   Color paper, panel, ink, soft_ink, grid;
   /// One unit of length of the picture, pixels: line widths and text sizes are multiples of it.
   double unit;
+  /// How strongly the front faces of boxes are tinted.
+  double front_opacity = 0.22;
 };
 
 Theme make_theme(const SceneOptions& options);

@@ -161,5 +161,27 @@ TEST(DatasetCheck, TellsBrokenEmptyAndPointlessScans) {
   EXPECT_EQ(again.findings.size(), check.findings.size());
 }
 
+TEST(DatasetCheck, BinsBelowACameraAreNoMistake) {
+  // A camera's z points into the bin: the tops of its boxes are what is seen.
+  MadeDataset dataset;
+  for (int n = 0; n < 4; ++n) {
+    LabeledScene scene{.name = "bin", .frame = io::SceneFrame::kCamera};
+    for (int b = 0; b < 4; ++b) {
+      const geometry::Box box = geometry::make_yaw_box({0.3 * b, 0, 1}, {0.2, 0.1, 0.08}, 0.3 * b);
+      scene.objects.push_back({.label = "object", .box = box, .heading = io::Heading::kUnknown});
+      for (int i = 0; i < 200; ++i) {
+        const Eigen::Vector3d top(i % 20 / 19.0 - 0.5, i / 20 / 9.0 - 0.5, -0.5);
+        const Eigen::Vector3f point =
+            (box.center + box.rotation * top.cwiseProduct(box.size).eval()).cast<float>();
+        scene.cloud.values.insert(scene.cloud.values.end(), point.data(), point.data() + 3);
+      }
+    }
+    dataset.scenes.push_back(scene);
+  }
+  const auto check = io::check_dataset(dataset, "all");
+  EXPECT_EQ(check.objects, 16u);
+  EXPECT_TRUE(check.findings.empty()) << check.findings[0].text;
+}
+
 }  // namespace
 }  // namespace arbox

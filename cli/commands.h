@@ -10,6 +10,7 @@
 
 namespace arbox::cli {
 
+void add_calibrate(CLI::App& app);
 void add_config(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_import(CLI::App& app);

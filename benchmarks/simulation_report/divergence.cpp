@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
+#include <iterator>
 
 #include "arbox/base/random.h"
 
@@ -44,22 +46,70 @@ std::pair<Scans, Scans> split(const std::vector<ScanFigures>& scans, std::size_t
   return result;
 }
 
-void print_band(const std::vector<ScanFigures>& scans, std::size_t count, Select select) {
+/// How far apart two sets of scans are.
+using Divergence = std::function<double(const Scans&, const Scans&)>;
+
+Divergence of_shares(Select select) {
+  return [select](const Scans& some, const Scans& others) {
+    return jensen_shannon(shares(some, select), shares(others, select));
+  };
+}
+
+/// Sums of points and numbers of objects by distance; mean points where there are objects.
+struct PointsByDistance {
+  static constexpr double kEdges[] = {5, 10, 15, 20, 25, 30, 40, 50, 80};
+  static constexpr std::size_t kBins = std::size(kEdges) - 1;
+
+  PointsByDistance(const Scans& scans, const char* type) {
+    for (const ScanFigures* scan : scans) {
+      for (const ObjectFigures& object : scan->objects) {
+        if (object.type != type || object.occlusion > 1 || object.truncation > 0.1) continue;
+        const auto edge = std::upper_bound(std::begin(kEdges), std::end(kEdges), object.distance);
+        if (edge == std::begin(kEdges) || edge == std::end(kEdges)) continue;
+        const auto bin = static_cast<std::size_t>(edge - std::begin(kEdges) - 1);
+        points[bin] += object.points;
+        objects[bin] += 1;
+      }
+    }
+  }
+
+  Histogram points = Histogram(kBins), objects = Histogram(kBins);
+};
+
+/// Of the mean points of an object by distance, as shares of their sum, over the distances that
+/// both have.
+Divergence of_mean_points(const char* type) {
+  return [type](const Scans& some, const Scans& others) {
+    const PointsByDistance first(some, type), second(others, type);
+    Histogram p(PointsByDistance::kBins), q(PointsByDistance::kBins);
+    double sum_p = 0, sum_q = 0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      if (first.objects[i] == 0 || second.objects[i] == 0) continue;
+      sum_p += p[i] = first.points[i] / first.objects[i];
+      sum_q += q[i] = second.points[i] / second.objects[i];
+    }
+    for (double& value : p) value /= std::max(sum_p, 1e-12);
+    for (double& value : q) value /= std::max(sum_q, 1e-12);
+    return jensen_shannon(p, q);
+  };
+}
+
+void print_band(const std::vector<ScanFigures>& scans, std::size_t count,
+                const Divergence& divergence) {
   std::vector<double> band;
   for (std::uint64_t draw = 0; draw < kResamples; ++draw) {
     const auto [some, others] = split(scans, count, draw);
-    band.push_back(jensen_shannon(shares(some, select), shares(others, select)));
+    band.push_back(divergence(some, others));
   }
   std::printf(" %.4f .. %.4f |", quantile(band, .05), quantile(band, .95));
 }
 
-void print_divergence(const char* name, Select select, const std::vector<ScanFigures>& real,
+void print_divergence(const char* name, const Divergence& divergence,
+                      const std::vector<ScanFigures>& real,
                       const std::vector<ScanFigures>& simulated) {
-  const double apart =
-      jensen_shannon(shares(all_of(real), select), shares(all_of(simulated), select));
-  std::printf("| %s | %.4f |", name, apart);
-  print_band(real, real.size() / 2, select);
-  print_band(simulated, real.size(), select);
+  std::printf("| %s | %.4f |", name, divergence(all_of(real), all_of(simulated)));
+  print_band(real, real.size() / 2, divergence);
+  print_band(simulated, real.size(), divergence);
   std::printf("\n");
 }
 
@@ -112,11 +162,16 @@ void print_divergences(const std::vector<ScanFigures>& real,
   const Select ring = [](const ScanFigures& scan) { return scan.ring; };
   const Select intensity = [](const ScanFigures& scan) { return scan.intensity; };
   const Select azimuth = [](const ScanFigures& scan) { return scan.azimuth; };
-  print_divergence("range, 1 m bins", range, real, simulated);
-  print_divergence("ring", ring, real, simulated);
-  print_divergence("intensity, 0 and 20 bins", intensity, real, simulated);
-  print_divergence("azimuth, 5 degrees", azimuth, real, simulated);
-  print_divergence("points a car, by distance, 12 bins", &points_by_distance, real, simulated);
+  print_divergence("range, 1 m bins", of_shares(range), real, simulated);
+  print_divergence("ring", of_shares(ring), real, simulated);
+  print_divergence("intensity, 0 and 20 bins", of_shares(intensity), real, simulated);
+  print_divergence("azimuth, 5 degrees", of_shares(azimuth), real, simulated);
+  print_divergence("mean points of a car by distance, 8 bins", of_mean_points("Car"), real,
+                   simulated);
+  print_divergence("mean points of a pedestrian by distance, 8 bins", of_mean_points("Pedestrian"),
+                   real, simulated);
+  print_divergence("points of single cars by distance, 12 bins", of_shares(&points_by_distance),
+                   real, simulated);
 }
 
 }  // namespace arbox::benchmarks

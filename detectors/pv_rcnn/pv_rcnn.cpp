@@ -3,6 +3,7 @@
 #include <ATen/Parallel.h>
 #include <ATen/core/grad_mode.h>
 
+#include <algorithm>
 #include <sstream>
 
 #include "arbox/base/error.h"
@@ -19,17 +20,25 @@ void require_between(double value, double low, double high, const char* what) {
   throw InvalidArgument(text.str());
 }
 
-void require_request(const DetectionRequest& request, bool calibrated) {
+void require_calibration(bool present, bool first_head) {
+  if (!present) {
+    throw InvalidArgument(
+        "PvRcnn: confidence boxes need a calibration, and this model has none; ask for quantile "
+        "boxes, or calibrate the model on scans with known boxes");
+  }
+  if (!first_head) {
+    throw InvalidArgument(
+        "PvRcnn: this model's calibration is of its first head, and another one was asked for "
+        "confidence boxes; ask for quantile boxes, or use the first head");
+  }
+}
+
+void require_request(const DetectionRequest& request) {
   for (const double q : request.quantiles) require_between(q, 0, 1, "a quantile");
   for (const double p : request.confidences) require_between(p, 0, 1, "a confidence");
   if (!(request.score >= 0 && request.score <= 1)) {
     throw InvalidArgument("PvRcnn: the least score must be from 0 to 1, got " +
                           std::to_string(request.score));
-  }
-  if (!request.confidences.empty() && !calibrated) {
-    throw InvalidArgument(
-        "PvRcnn: confidence boxes need a calibration, and this model has none; ask for quantile "
-        "boxes, or calibrate the model on scans with known boxes");
   }
 }
 
@@ -66,7 +75,13 @@ std::vector<DetectionResult> PvRcnn::detect_with_every_head(const geometry::Poin
 std::vector<DetectionResult> PvRcnn::detect_with(std::span<heads::BoxHead* const> heads,
                                                  const geometry::PointCloudView& cloud,
                                                  const DetectionRequest& request) const {
-  require_request(request, calibration_.has_value());
+  require_request(request);
+  if (!request.confidences.empty()) {
+    const heads::BoxHead* const first = network_->heads().front().second.get();
+    require_calibration(
+        calibration_.has_value(),
+        std::all_of(heads.begin(), heads.end(), [&](const auto* head) { return head == first; }));
+  }
   const at::NoGradGuard no_gradient;
   at::get_num_threads();  // LibTorch chooses its threads when first asked, which would undo ours.
   const ThreadScope threads(request.threads);

@@ -3,12 +3,16 @@
 #include <pty.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "arbox/cli/training_progress.h"
+#include "arbox/io/box_table.h"
+#include "arbox/io/kitti.h"
+#include "arbox/io/kitti_label.h"
 #include "support/program.h"
 
 namespace {
@@ -74,6 +78,34 @@ TEST(TrainingProgress, DrawsOneLineOnATerminalAndLinesElsewhere) {
   EXPECT_TRUE(shown.ends_with("\r\x1b[K|")) << shown;
 }
 
+/// A copy of a folder of scans whose labels are the boxes that a model found, each moved a little.
+void write_found_labels(const std::string& streets, const std::string& model,
+                        const TemporaryDirectory& folder, const std::string& labels) {
+  for (const char* frame : {"000000", "000001", "000002", "000003"}) {
+    const std::string calibration =
+        slurp(streets + "/training/calib/" + frame + std::string(".txt"));
+    const std::string scan = streets + "/training/velodyne/" + frame + ".bin";
+    const auto found =
+        run_arbox({"detect", scan, "--model", model, "--score", "0", "--format", "csv"});
+    ASSERT_EQ(found.exit_code, 0) << found.errors;
+    folder.write("found/training/velodyne/" + std::string(frame) + ".bin", slurp(scan));
+    folder.write("found/training/calib/" + std::string(frame) + ".txt", calibration);
+    const auto boxes = arbox::io::parse_box_table(found.output, "found");
+    std::vector<arbox::io::KittiObject> objects;
+    for (std::size_t i = 0; i < boxes.boxes.size(); ++i) {
+      arbox::geometry::Box box = boxes.boxes[i];
+      box.center.x() += 0.05 * static_cast<double>(i % 7);
+      auto& object = objects.emplace_back(arbox::io::to_kitti_object(
+          box, arbox::io::parse_kitti_calibration(calibration, "calib")));
+      object.type = boxes.classes[i];
+      object.truncation = 0;
+      object.occlusion = 0;
+    }
+    folder.write("found/training/" + labels + "/" + frame + ".txt",
+                 arbox::io::format_kitti_labels(objects, 6));
+  }
+}
+
 /// Two simulated scans, and a small network that is trained on them.
 class TrainCommand : public ::testing::Test {
  protected:
@@ -104,6 +136,48 @@ train: {steps: 3, batch_size: 1, seed: 5}
     replace("-70.4, -70.4", "-19.2, -19.2");
     replace("70.4, 70.4", "19.2, 19.2");
     return folder_->write("small.yaml", text).string();
+  }
+
+  /// The objects of the calibration are, a little moved, what the model itself finds.
+  static void calibrate_and_detect(const std::string& model) {
+    const std::string scan = path("streets") + "/training/velodyne/000000.bin";
+    const std::string root = path("found"), output = path("calibrated.arbox");
+    expect_one_line_error(run_arbox({"detect", scan, "--model", model, "--confidence", "0.5"}), 1,
+                          {"calibrat"});
+    write_found_labels(path("streets"), model, *folder_, "label_360");
+    const std::vector<std::string> calibrate = {"calibrate", model,      "--data",  root,
+                                                "--split",   "training", "--score", "0",
+                                                "--output",  output};
+    expect_one_line_error(run_arbox(calibrate), 1, {"label_2"});
+    auto all_round = calibrate;
+    all_round.insert(all_round.end(), {"--all-round", "--source", "four streets"});
+    const auto calibrated = run_arbox(all_round);
+    ASSERT_EQ(calibrated.exit_code, 0) << calibrated.errors;
+    EXPECT_THAT(calibrated.output, HasSubstr("objects"));
+    const auto info = nlohmann::json::parse(run_arbox({"info", output, "--json"}).output);
+    EXPECT_EQ(info.at("calibration").at("source"), "four streets");
+    EXPECT_THAT(run_arbox({"info", output}).output, HasSubstr("four streets"));
+    std::string label;
+    for (const auto& [name, one] : info.at("calibration").at("classes").items()) {
+      if (one.at("highest_probability") >= 0.5) label = name;
+    }
+    ASSERT_FALSE(label.empty()) << info.at("calibration");
+    const auto found =
+        run_arbox({"detect", scan, "--model", output, "--score", "0", "--confidence", "0.5"});
+    ASSERT_EQ(found.exit_code, 0) << found.errors;
+    bool boxes = false;
+    for (const auto& detection : nlohmann::json::parse(found.output).at("detections")) {
+      if (detection.at("class") != label) continue;
+      EXPECT_EQ(detection.at("confidence_boxes").at(0).at("p"), 0.5);
+      boxes = true;
+    }
+    EXPECT_TRUE(boxes);
+    expect_one_line_error(
+        run_arbox({"detect", scan, "--model", output, "--head", "gaussian", "--confidence", "0.5"}),
+        1, {"first head"});
+    auto sure = all_round;
+    *std::next(std::find(sure.begin(), sure.end(), "--score")) = "1";
+    expect_one_line_error(run_arbox(sure), 1, {"found none of the labelled objects"});
   }
 
   static std::string path(const char* name) { return (*folder_ / name).string(); }
@@ -143,6 +217,8 @@ TEST_F(TrainCommand, TrainsEndsAndResumes) {
     EXPECT_EQ(detections[0].at("quantile_boxes").size(), 1);
     EXPECT_TRUE(detections[0].contains("uncertainty"));
   }
+
+  calibrate_and_detect(path("whole") + "/model.arbox");
 
   expect_one_line_error(run_arbox({"train", path("train.yaml"), "--output", path("whole")}), 1,
                         {"holds a training run"});

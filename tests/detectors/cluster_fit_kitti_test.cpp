@@ -10,6 +10,7 @@
 #include "arbox/io/kitti.h"
 #include "arbox/io/kitti_calibration.h"
 #include "arbox/io/kitti_label.h"
+#include "detectors/birds_eye_iou.h"
 #include "support/program.h"
 
 namespace arbox::detectors {
@@ -18,10 +19,6 @@ namespace {
 struct Counts {
   int cars = 0, found = 0, right = 0, wrong = 0;
 };
-
-double birds_eye_iou(const geometry::Box& one, const geometry::Box& other) {
-  return geometry::overlap(one, other, {.space = geometry::OverlapSpace::kBirdsEye});
-}
 
 bool in_view(const geometry::Box& box, const io::KittiCalibration& calibration) {
   const Eigen::Vector3d pixel = io::project(box.center, calibration);

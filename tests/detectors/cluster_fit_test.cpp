@@ -11,6 +11,7 @@
 #include "arbox/base/error.h"
 #include "arbox/base/random.h"
 #include "arbox/geometry/overlap.h"
+#include "detectors/birds_eye_iou.h"
 #include "support/street_scene.h"
 
 namespace arbox::detectors {
@@ -18,10 +19,6 @@ namespace {
 
 using geometry::Box;
 using geometry::Detection;
-
-double birds_eye_iou(const Box& one, const Box& other) {
-  return geometry::overlap(one, other, {.space = geometry::OverlapSpace::kBirdsEye});
-}
 
 const Detection* best_match(const std::vector<Detection>& detections, const Detection& truth) {
   const Detection* best = nullptr;

@@ -9,16 +9,10 @@
 #include "arbox/simulation/lidar_scan.h"
 #include "arbox/simulation/models.h"
 #include "arbox/simulation/street_stream.h"
+#include "simulation/resting_street.h"
 
 namespace arbox::simulation {
 namespace {
-
-Scene resting_street(std::uint64_t index) {
-  Scene scene = street_scene({}, 11, index);
-  scene.ego = {};
-  for (SceneObject& object : scene.objects) object.velocity.setZero();
-  return scene;
-}
 
 /// A return in the frame of a box, as distances beyond its faces (negative: inside).
 Eigen::Vector3d beyond(const geometry::Box& box, const LidarReturn& point) {
@@ -30,7 +24,7 @@ Eigen::Vector3d beyond(const geometry::Box& box, const LidarReturn& point) {
 TEST(Labels, ReturnsOfAnObjectLieInItsBox) {
   std::int64_t returns = 0, mirrors = 0;
   for (std::uint64_t index = 0; index < 6; ++index) {
-    const Scene scene = resting_street(index);
+    const Scene scene = resting_street(11, index);
     const LidarModel model = hdl64();
     for (const LidarReturn& point : scan(scene, RayTracer(scene, model.duration), model,
                                          {.motion_compensated = false, .ideal = true})) {
@@ -51,7 +45,7 @@ TEST(Labels, ReturnsOfAnObjectLieInItsBox) {
 TEST(Labels, WithNoiseNearlyAllReturnsLieInTheBox) {
   std::int64_t returns = 0, outside = 0;
   for (std::uint64_t index = 0; index < 3; ++index) {
-    const Scene scene = resting_street(index);
+    const Scene scene = resting_street(11, index);
     const LidarModel model = hdl64();
     for (const LidarReturn& point : scan(scene, RayTracer(scene, model.duration), model)) {
       if (point.object < 0) continue;

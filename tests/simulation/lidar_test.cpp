@@ -11,19 +11,13 @@
 #include "arbox/base/error.h"
 #include "arbox/simulation/lidar_options.h"
 #include "arbox/simulation/street.h"
+#include "simulation/resting_street.h"
 
 namespace arbox::simulation {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180.0;
-
-Scene resting_street(std::uint64_t index) {
-  Scene scene = street_scene({}, 3, index);
-  scene.ego = {};
-  for (SceneObject& object : scene.objects) object.velocity.setZero();
-  return scene;
-}
 
 std::vector<LidarReturn> scan_of(const Scene& scene, const LidarModel& model,
                                  const LidarOptions& options = {}) {
@@ -73,7 +67,7 @@ std::complex<double> phasor(const std::vector<LidarReturn>& ring, const LidarBea
 
 TEST(Hdl64, AFitOfAnIdealScanGivesTheRayModelBack) {
   const LidarModel model = hdl64();
-  const auto rings = rings_of(scan_of(resting_street(1), model));
+  const auto rings = rings_of(scan_of(resting_street(3, 1), model));
   ASSERT_EQ(rings.size(), 64u);
   for (std::size_t i = 0; i < rings.size(); ++i) {
     SCOPED_TRACE(testing::Message() << "ring " << i);
@@ -88,7 +82,7 @@ TEST(Hdl64, AFitOfAnIdealScanGivesTheRayModelBack) {
 
 TEST(Hdl64, HorizontalOffsetsComeBackFromThePhaseOfTheEncoder) {
   const LidarModel model = hdl64();
-  const auto rings = rings_of(scan_of(resting_street(1), model));
+  const auto rings = rings_of(scan_of(resting_street(3, 1), model));
   ASSERT_EQ(rings.size(), 64u);
   for (const std::size_t i : {20u, 33u, 40u, 47u, 56u, 63u}) {
     double best = 0.0, strongest = 0.0;
@@ -186,7 +180,7 @@ TEST(OtherScanners, HaveTheirRingsAndFields) {
                                                   {LidarKind::kSolidState, 64}};
   for (const auto& [kind, count] : rings) {
     const LidarModel model = make_lidar(kind);
-    const auto returns = scan_of(resting_street(2), model);
+    const auto returns = scan_of(resting_street(3, 2), model);
     std::set<int> seen;
     for (const LidarReturn& point : returns) seen.insert(point.ring);
     EXPECT_EQ(model.beams.size(), count);

@@ -18,14 +18,14 @@ using namespace arbox;
 using namespace arbox::sparse;
 using Position = std::array<std::int32_t, 4>;
 
-struct Case {
+struct MapCase {
   const char* name;
   Kernel kernel;
   Lattice lattice;
   std::size_t voxels = 400;
 };
 
-std::vector<Case> cases() {
+std::vector<MapCase> map_cases() {
   const Lattice finest, coarse{.stride = {4, 2, 8}};
   const Lattice grid{.grid = Triple{12, 11, 10}};
   return {{"odd", {}, finest},
@@ -50,7 +50,7 @@ std::vector<Case> cases() {
           {"grid_none", {.stride = {2, 2, 2}, .padding = {1, 1, 1}}, grid, 0}};
 }
 
-CoordinateSetPtr made_set(const Case& test) {
+CoordinateSetPtr made_set(const MapCase& test) {
   std::vector<Coordinate> voxels;
   for (Coordinate c :
        random_voxels(3, test.voxels, 2, test.lattice.grid ? 0 : -6, test.lattice.grid ? 10 : 12)) {
@@ -67,7 +67,7 @@ CoordinateSetPtr made_set(const Case& test) {
 Position position(const Coordinate& c) { return {c.batch, c.x, c.y, c.z}; }
 
 /// The input that element (x, y, z) reads for an output, by the definitions of docs/sparse.md.
-Position read_by(const Case& test, const Position& output, const Triple& element) {
+Position read_by(const MapCase& test, const Position& output, const Triple& element) {
   Position input = output;
   for (int axis = 0; axis < 3; ++axis) {
     const std::int32_t size = test.kernel.size[axis], dilation = test.kernel.dilation[axis];
@@ -84,10 +84,10 @@ Position read_by(const Case& test, const Position& output, const Triple& element
   return input;
 }
 
-class KernelMaps : public ::testing::TestWithParam<Case> {};
+class KernelMaps : public ::testing::TestWithParam<MapCase> {};
 
 TEST_P(KernelMaps, HoldThePairsThatTheDefinitionNames) {
-  const Case& test = GetParam();
+  const MapCase& test = GetParam();
   const CoordinateSetPtr set = made_set(test);
   CoordinateManager manager;
   const Connection connection = manager.convolution(set, test.kernel);
@@ -118,7 +118,7 @@ TEST_P(KernelMaps, HoldThePairsThatTheDefinitionNames) {
 }
 
 TEST_P(KernelMaps, OutputsAreWhatTheRuleSays) {
-  const Case& test = GetParam();
+  const MapCase& test = GetParam();
   const CoordinateSetPtr set = made_set(test);
   CoordinateManager manager;
   const Connection connection = manager.convolution(set, test.kernel);
@@ -163,7 +163,7 @@ TEST_P(KernelMaps, OutputsAreWhatTheRuleSays) {
   EXPECT_EQ(outputs.size(), connection.outputs->sorted().coordinates.size());
 }
 
-INSTANTIATE_TEST_SUITE_P(Kernels, KernelMaps, ::testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(Kernels, KernelMaps, ::testing::ValuesIn(map_cases()),
                          [](const auto& test) { return test.param.name; });
 
 TEST(KernelMap, IsTheSameAtAnyThreadCount) {

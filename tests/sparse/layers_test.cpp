@@ -21,6 +21,7 @@
 #include "arbox/base/error.h"
 #include "arbox/sparse/point_sets.h"
 #include "arbox/sparse/set_abstraction.h"
+#include "sparse/expect_close.h"
 #include "sparse/gradient_check.h"
 #include "sparse/made_voxels.h"
 
@@ -29,17 +30,11 @@ namespace {
 using namespace arbox;
 using namespace arbox::sparse;
 
-SparseTensor made(std::int64_t channels, std::size_t voxels = 200, std::int64_t batches = 2,
-                  at::ScalarType type = at::kFloat) {
+SparseTensor random_tensor(std::int64_t channels, std::size_t voxels = 200,
+                           std::int64_t batches = 2, at::ScalarType type = at::kFloat) {
   return SparseTensor(
       to_tensor(random_voxels(5, voxels, static_cast<std::int32_t>(batches), -5, 10)),
       at::randn({std::int64_t(voxels), channels}, type), {}, batches);
-}
-
-void expect_close(const at::Tensor& got, const at::Tensor& expected, double tolerance = 1e-5) {
-  ASSERT_EQ(got.sizes(), expected.sizes());
-  const double scale = std::max(1e-30, expected.abs().max().item<double>());
-  EXPECT_LE((got - expected).abs().max().item<double>(), tolerance * scale);
 }
 
 std::set<std::string> names(const torch::nn::Module& module) {
@@ -79,7 +74,7 @@ TEST(BatchNorm, NoneAndOneRowLeaveStatisticsAlone) {
 }
 
 TEST(InstanceNorm, NormalisesEachSceneByItself) {
-  const SparseTensor input = made(4, 300, 3, at::kDouble);
+  const SparseTensor input = random_tensor(4, 300, 3, at::kDouble);
   InstanceNorm norm(4);
   norm.to(at::kDouble);
   randomize(norm);
@@ -92,7 +87,7 @@ TEST(InstanceNorm, NormalisesEachSceneByItself) {
     expect_close(output.features().index({rows}),
                  (x - x.mean(0)) / (x.var(0, false) + 1e-8).sqrt() * weight + bias, 1e-9);
   }
-  const SparseTensor single = made(4, 60, 1, at::kDouble);
+  const SparseTensor single = random_tensor(4, 60, 1, at::kDouble);
   const at::Tensor x = single.features();
   expect_close(norm.forward(single).features(),
                (x - x.mean(0)) / (x.var(0, false) + 1e-8).sqrt() * weight + bias, 1e-9);
@@ -132,7 +127,7 @@ TEST(ResidualBlock, FoldedInferenceEqualsTheLayers) {
     ResidualBlock block(16, stride == 1 ? 16 : 32, stride);
     randomize(block);
     block.eval();
-    const SparseTensor input = made(16);
+    const SparseTensor input = random_tensor(16);
     const at::Tensor layered = block.forward(input).features().detach();
     const at::NoGradGuard no_gradient;
     expect_close(block.forward(input).features(), layered);
@@ -141,7 +136,7 @@ TEST(ResidualBlock, FoldedInferenceEqualsTheLayers) {
 
 TEST(ResidualBlock, TrainsEveryParameter) {
   ResidualBlock block(8, 12, 2);
-  const SparseTensor output = block.forward(made(8));
+  const SparseTensor output = block.forward(random_tensor(8));
   output.features().square().sum().backward();
   for (const auto& item : block.named_parameters()) {
     EXPECT_GT(item.value().grad().abs().sum().item<float>(), 0) << item.key();
@@ -171,7 +166,7 @@ TEST(GridConvolution, ReadsSpconvWeights) {
 TEST(Convolution, BiasIsFoldedBelowTheScale) {
   Convolution layer(4, 6, {}, true);
   randomize(layer);
-  const SparseTensor input = made(4);
+  const SparseTensor input = random_tensor(4);
   const at::Tensor scale = at::randn({6}), shift = at::randn({6});
   expect_close(
       layer.forward_fused(input, {.scale = scale, .shift = shift, .residual = {}}).features(),
@@ -180,7 +175,7 @@ TEST(Convolution, BiasIsFoldedBelowTheScale) {
 }
 
 TEST(Activations, KeepCoordinates) {
-  const SparseTensor input = made(3);
+  const SparseTensor input = random_tensor(3);
   EXPECT_EQ(relu(input).set(), input.set());
   EXPECT_GE(elu(input).features().min().item<float>(), -1);
 }

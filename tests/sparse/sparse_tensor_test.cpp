@@ -22,6 +22,7 @@
 #include "arbox/sparse/pooling.h"
 #include "arbox/sparse/voxel_sets.h"
 #include "arbox/sparse/voxel_tensor.h"
+#include "sparse/expect_close.h"
 #include "sparse/gradient_check.h"
 #include "sparse/made_voxels.h"
 
@@ -39,13 +40,6 @@ SparseTensor made(std::int64_t channels, at::ScalarType type = at::kFloat, bool 
       grid ? Lattice{.grid = Triple{kSide, kSide, kSide}} : Lattice{.stride = {step, step, step}};
   return SparseTensor(to_tensor(coordinates), at::randn({std::int64_t(voxels), channels}, type),
                       lattice, 2);
-}
-
-void expect_close(const at::Tensor& got, const at::Tensor& expected, double tolerance = 1e-5) {
-  ASSERT_EQ(got.sizes(), expected.sizes());
-  if (got.numel() == 0) return;
-  const double scale = std::max(1e-30, expected.abs().max().item<double>());
-  EXPECT_LE((got - expected).abs().max().item<double>(), tolerance * scale);
 }
 
 /// Dense weights (out, in, Z, Y, X) of element weights.

@@ -17,6 +17,7 @@
 #include "arbox/training/network_state.h"
 #include "arbox/training/weights_file.h"
 #include "support/program.h"
+#include "training/expect_message.h"
 
 namespace {
 
@@ -24,16 +25,6 @@ using namespace arbox;
 using namespace arbox::training;
 using arbox::testing::slurp;
 using arbox::testing::TemporaryDirectory;
-
-template <class Error, class Call>
-void expect_message(const Call& call, const std::string& part) {
-  try {
-    call();
-    ADD_FAILURE() << "expected an error with '" << part << "'";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
-  }
-}
 
 std::shared_ptr<sparse::ResidualBlock> block() {
   return std::make_shared<sparse::ResidualBlock>(4, 6, 2);

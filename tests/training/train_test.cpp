@@ -14,6 +14,7 @@
 #include "arbox/training/train_log.h"
 #include "arbox/training/weights_file.h"
 #include "support/program.h"
+#include "training/expect_message.h"
 #include "training/toy_trainee.h"
 
 namespace {
@@ -59,16 +60,6 @@ struct ToyRun {
                  alone, recorder);
   }
 };
-
-template <class Error, class Call>
-void expect_message(const Call& call, const std::string& part) {
-  try {
-    call();
-    ADD_FAILURE() << "expected an error with '" << part << "'";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
-  }
-}
 
 TEST(Train, LearnsAndLeavesItsFiles) {
   const TemporaryDirectory folder;

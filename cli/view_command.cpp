@@ -12,7 +12,9 @@
 #include "arbox/cli/option_flags.h"
 #include "arbox/cli/picture_output.h"
 #include "arbox/cli/standard_input.h"
-#include "arbox/drawing/scene.h"
+#include "arbox/cli/viewer_module.h"
+#include "arbox/drawing/scene_page.h"
+#include "arbox/io/file.h"
 #include "arbox/io/kitti_calibration.h"
 #include "arbox/io/point_cloud_file.h"
 
@@ -20,7 +22,8 @@ namespace arbox::cli {
 namespace {
 
 struct ViewFlags {
-  std::string cloud, boxes, labels, calibration, image, output;
+  std::string cloud, boxes, labels, calibration, image, output, html;
+  bool interactive = false;
   std::string dataset, scene_name;
   io::DatasetOptions dataset_options;
   bool color_given = false, azimuth_given = false, captions_given = false;
@@ -51,7 +54,10 @@ io::LabeledScene seen_from_above(io::LabeledScene scene) {
 }
 
 void check(const ViewFlags& flags) {
-  require_picture("--output", flags.output);
+  if (flags.output.empty() && flags.html.empty() && !flags.interactive) {
+    throw UsageError("view: expected --output FILE, --html FILE or --interactive");
+  }
+  if (!flags.output.empty()) require_picture("--output", flags.output);
   if (flags.cloud.empty() == flags.dataset.empty()) {
     throw UsageError("view: expected either --cloud FILE or --dataset DIR");
   }
@@ -82,6 +88,25 @@ std::vector<geometry::Detection> to_truth(const std::vector<io::LabeledObject>& 
     one.box = object.box;
   }
   return truth;
+}
+
+/// Shows the scene in each way that is asked for.
+void present(const ViewFlags& flags, const drawing::Scene& scene, drawing::SceneOptions options,
+             const std::string& name) {
+  const std::string counts = std::to_string(scene.cloud.size()) + " points, " +
+                             std::to_string(scene.predictions.size()) + " predictions, " +
+                             std::to_string(scene.truth.size()) + " labels";
+  if (!flags.output.empty()) {
+    const drawing::Image image = drawing::draw_scene(scene, options);
+    drawing::write_image(image, flags.output);
+    spdlog::info("{}: {} x {} pixels, {}", flags.output, image.width, image.height, counts);
+  }
+  if (options.title.empty()) options.title = name;
+  if (!flags.html.empty()) {
+    io::write_file(flags.html, drawing::scene_page(scene, options));
+    spdlog::info("{}: {}", flags.html, counts);
+  }
+  if (flags.interactive) view_interactively(scene, options);
 }
 
 void view_dataset(const ViewFlags& flags) {
@@ -117,10 +142,7 @@ void view_dataset(const ViewFlags& flags) {
     scene.photo->projection.leftCols<3>() =
         loaded.images->intrinsic * bin_from_camera().transpose();
   }
-  const drawing::Image image = drawing::draw_scene(scene, options);
-  drawing::write_image(image, flags.output);
-  spdlog::info("{}: scene {}, {} points, {} labels", flags.output, shown.name, shown.cloud.size(),
-               scene.truth.size());
+  present(flags, scene, options, shown.name);
 }
 
 void view(const ViewFlags& flags) {
@@ -144,18 +166,14 @@ void view(const ViewFlags& flags) {
     scene.truth = read_boxes(flags.labels, KittiText::kLabels, scan, calibration);
   }
   if (!flags.image.empty()) scene.photo = read_photo(flags.image, *calibration);
-  const drawing::Image image = drawing::draw_scene(scene, flags.scene);
-  drawing::write_image(image, flags.output);
-  spdlog::info("{}: {} x {} pixels, {} points, {} predictions, {} labels", flags.output,
-               image.width, image.height, cloud.points.size(), scene.predictions.size(),
-               scene.truth.size());
+  present(flags, scene, flags.scene, scan);
 }
 
 }  // namespace
 
 void add_view(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "view", "Draw a cloud with boxes from above, in perspective and over a photo; no display");
+      "view", "Show a cloud with boxes: as a picture, a page for browsers, or in a window");
   const auto flags = std::make_shared<ViewFlags>();
   command
       ->add_option("--cloud", flags->cloud,
@@ -166,8 +184,14 @@ void add_view(CLI::App& app) {
   command->add_option("--scene", flags->scene_name, "Scene of the dataset (default: its first one)")
       ->type_name("NAME");
   command->add_option("--output", flags->output, "Picture to write: .png, .jpg or .jpeg")
-      ->type_name("FILE")
-      ->required();
+      ->type_name("FILE");
+  command
+      ->add_option("--html", flags->html,
+                   "Page to write, with the cloud to turn, a quantile slider and details of boxes; "
+                   "one file, opens in any browser without a network")
+      ->type_name("FILE");
+  command->add_flag("--interactive", flags->interactive,
+                    "Open a window; n and b step through the quantiles, k shows the samples");
   command
       ->add_option(
           "--boxes", flags->boxes,
@@ -199,6 +223,8 @@ void add_view(CLI::App& app) {
         "A KITTI frame with its labels, also over the photo"},
        {"arbox view --dataset sunrgbd_trainval --scene 000001 --output a.png",
         "A scene of a dataset with its labels and photo"},
+       {"arbox detect 000008.bin --samples | arbox view --cloud 000008.bin --boxes - --html a.html",
+        "A page to turn and step through the quantiles"},
        {"arbox view --cloud room.ply --color rgb --view perspective --elevation 50 --output a.png",
         "A room in its own colours, from further above"}});
   command->callback([command, flags] {

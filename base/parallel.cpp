@@ -15,13 +15,16 @@ namespace {
 
 std::atomic<int> chosen_threads{0};
 thread_local int scoped_threads = 0;
+// Before other libraries change it: LibTorch sets OpenMP's number to that of physical cores when it
+// first runs something, which is half of what two threads a core allow.
+const int threads_at_start = omp_get_max_threads();
 
 }  // namespace
 
 int default_threads() {
   if (scoped_threads > 0) return scoped_threads;
   const int chosen = chosen_threads.load();
-  return chosen > 0 ? chosen : omp_get_max_threads();
+  return chosen > 0 ? chosen : threads_at_start;
 }
 
 void set_default_threads(int count) {

@@ -90,6 +90,13 @@ TEST(DefaultThreads, IsWhatWasSetAndRefusesLessThanOne) {
   EXPECT_EQ(arbox::default_threads(), 3);
 }
 
+TEST(DefaultThreads, StayWhatTheyWereWhenAnotherLibraryChangesOpenMp) {
+  const int before = arbox::default_threads(), openmp = omp_get_max_threads();
+  omp_set_num_threads(openmp + 3);
+  EXPECT_EQ(arbox::default_threads(), before);
+  omp_set_num_threads(openmp);
+}
+
 TEST(ThreadScope, HoldsForItsThreadAndIsUndoneAtItsEnd) {
   const int before = arbox::default_threads(), openmp = omp_get_max_threads();
   {

@@ -31,8 +31,8 @@ struct StreetSourceOptions {
 };
 
 /// Scans straight from the simulator, with the objects of all directions. Nothing is kept: a scan
-/// costs about 0.4 s each time that it is asked for. `arbox simulate street` and KittiSceneSource
-/// pay that once.
+/// costs about 0.13 s of a processor each time that it is asked for. `arbox simulate street` and
+/// KittiSceneSource pay that once.
 class StreetSceneSource : public SceneSource {
  public:
   /// Throws ConfigError for options out of range.

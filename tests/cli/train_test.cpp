@@ -14,6 +14,7 @@
 #include "arbox/io/box_table.h"
 #include "arbox/io/kitti.h"
 #include "arbox/io/kitti_label.h"
+#include "arbox/io/model_archive.h"
 #include "support/program.h"
 
 namespace {
@@ -229,6 +230,34 @@ TEST_F(TrainCommand, TrainsEndsAndResumes) {
                         {"holds a training run"});
   expect_one_line_error(run_arbox({"train", "--resume", path("whole"), "train.seed=9"}), 1,
                         {"seed was 5, is now 9"});
+}
+
+// The example of docs/training.md.
+TEST_F(TrainCommand, HeadsLearnOnTheFrozenFeaturesOfARun) {
+  const auto base = run_arbox({"train", path("train.yaml"), "model.network.head.name=pointwise",
+                               "model.network.more_heads=[]", "model.network.more_head_options=[]",
+                               "--output", path("base")});
+  ASSERT_EQ(base.exit_code, 0) << base.errors;
+  const auto heads =
+      run_arbox({"train", path("train.yaml"), "--output", path("heads"),
+                 "train.initial=" + path("base") + "/model.arbox",
+                 "train.initial_except=[roi_head.box_head, box_heads]",
+                 "train.frozen=[backbone_3d, backbone_2d, dense_head, pfe, point_head, "
+                 "roi_head.roi_grid_pool_layer,\n  roi_head.shared_fc_layer, roi_head.cls_layers, "
+                 "roi_head.reg_layers]"});
+  ASSERT_EQ(heads.exit_code, 0) << heads.errors;
+  const auto before = arbox::io::read_model_archive(path("base") + "/model.arbox").records;
+  const auto after = arbox::io::read_model_archive(path("heads") + "/model.arbox").records;
+  std::size_t learnt = 0;
+  for (const auto& [name, record] : after) {
+    if (name.starts_with("roi_head.box_head") || name.starts_with("box_heads.gaussian")) {
+      ++learnt;
+    } else {
+      EXPECT_EQ(record, before.at(name)) << name;
+    }
+  }
+  EXPECT_GT(learnt, 8u);
+  EXPECT_EQ(after.size(), before.size() + learnt);
 }
 
 TEST_F(TrainCommand, WrongUseIsExplained) {

@@ -74,3 +74,10 @@ arbox_torch_module() {
       &cli::import_openpcdet,   &cli::train,        &cli::load_detector};
   return &module;
 }
+
+/// For detectors/open_detector.h.
+extern "C" __attribute__((visibility("default"))) void arbox_load_detector(
+    const std::string& file, const std::vector<std::string>& overrides,
+    std::unique_ptr<arbox::detectors::Detector>& result) {
+  result = arbox::cli::load_detector(file, overrides);
+}

@@ -47,6 +47,7 @@ function(arbox_install component target)
     endif()
   endforeach()
   list(REMOVE_DUPLICATES packages)
+  set_property(GLOBAL APPEND PROPERTY arbox_targets ${target})
   set_property(GLOBAL APPEND PROPERTY arbox_components ${component})
   set_property(GLOBAL APPEND_STRING PROPERTY arbox_component_table
     "set(arbox_needs_${component} \"${needs}\")\nset(arbox_packages_${component} \"${packages}\")\n")

@@ -7,8 +7,8 @@
 
 namespace arbox::drawing {
 
-/// The quantile boxes to step through, by rising q: of detections with samples those at 0.05, 0.10,
-/// .. 0.95, of others those that they have.
+/// The quantile boxes to step through, by rising q: of detections with samples those at 0.05, 0.10
+/// and so on to 0.95, of others those that they have.
 std::vector<geometry::QuantileBox> quantile_steps(const geometry::Detection& detection);
 
 /// The scene as one HTML page that needs no network and no other file: the cloud with its boxes to

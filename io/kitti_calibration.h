@@ -66,7 +66,7 @@ struct KittiPlane {
   double offset = 0.0;
 };
 
-/// Reads a planes/<id>.txt: comment lines, WIDTH 4, HEIGHT 1, and one line of four numbers, which
+/// Reads a planes/ID.txt: comment lines, WIDTH 4, HEIGHT 1, and one line of four numbers, which
 /// are normalised and turned up. Throws FormatError for anything else.
 KittiPlane parse_kitti_plane(std::string_view text, std::string_view source);
 KittiPlane read_kitti_plane(const std::filesystem::path& path);

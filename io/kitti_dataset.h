@@ -25,7 +25,7 @@ namespace arbox::io {
 std::vector<std::string> parse_kitti_split(std::string_view text, std::string_view source);
 std::vector<std::string> read_kitti_split(const std::filesystem::path& path);
 
-/// Points of a velodyne/<id>.bin: rows of four little-endian float32 numbers x, y, z (metres, LiDAR
+/// Points of a velodyne/ID.bin: rows of four little-endian float32 numbers x, y, z (metres, LiDAR
 /// frame) and intensity (0..1), kept as they are. Throws FormatError if the file is empty or not a
 /// multiple of 16 bytes, IoError for a missing file or a directory.
 geometry::PointCloud read_kitti_scan(const std::filesystem::path& path);

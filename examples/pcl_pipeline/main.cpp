@@ -89,7 +89,7 @@ void run(const std::string& scan, const std::string& model, const std::string& m
   arbox::pcl::BoxDetector<Point> detector;
   detector.setInputCloud(thin);
   detector.setModel(model);
-  detector.setConfidence(0.9);
+  detector.setKeepSamples(true);
   std::vector<arbox::geometry::Detection> detections;
   detector.detect(detections);
 

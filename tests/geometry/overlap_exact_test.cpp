@@ -5,7 +5,7 @@
 
 #include "arbox/geometry/internal/overlap_engine.h"
 #include "arbox/geometry/overlap.h"
-#include "geometry/exact_overlap.h"
+#include "arbox/plugins/cgal/exact_intersection.h"
 #include "geometry/overlap_pairs.h"
 
 namespace {
@@ -41,7 +41,7 @@ void expect_exact(const PairFamily& family, int begin, int end) {
   int overlapping = 0;
   for (int i = begin; i < end; ++i) {
     const BoxPair pair = family.make(RandomStream(17, i, 0));
-    const double expected = arbox::testing::exact_intersection(pair.first, pair.second);
+    const double expected = arbox::cgal::exact_intersection(pair.first, pair.second);
     const double smaller = std::min(volume(pair.first), volume(pair.second));
     overlapping += expected > 0.0;
     for (const SimdLevel level : available_levels()) {

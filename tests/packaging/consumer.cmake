@@ -5,12 +5,12 @@ file(REMOVE_RECURSE "${WORK}")
 file(COPY "${ROOT}/examples/consumer" DESTINATION "${WORK}")
 run("" ${configure} -S "${WORK}/consumer" -B "${WORK}/build")
 run("" ${CMAKE_COMMAND} --build "${WORK}/build")
-run("with p = 0.9 within" "${WORK}/build/consumer" "${ROOT}/examples/data/street.bin")
+run("a fifth of the draws hold" "${WORK}/build/consumer" "${ROOT}/examples/data/street.bin")
 refused("missing.bin: no such file" "${WORK}/build/consumer" missing.bin)
 refused("nearest is 'cluster_fit'"
   "${WORK}/build/consumer" "${ROOT}/examples/data/street.bin" cluster_fat)
 if(NOT "$ENV{ARBOX_DATA}" STREQUAL "")
-  run("with p = 0.9 within"
+  run("a fifth of the draws hold"
     "${WORK}/build/consumer" "$ENV{ARBOX_DATA}/kitti/training/velodyne/000008.bin")
 endif()
 file(REMOVE_RECURSE "${WORK}")

@@ -1,12 +1,13 @@
-#include "geometry/exact_overlap.h"
+#include "arbox/plugins/cgal/exact_intersection.h"
 
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
-namespace arbox::testing {
+namespace arbox::cgal {
 namespace {
 
 using Number = CGAL::Exact_predicates_exact_constructions_kernel::FT;
@@ -108,6 +109,8 @@ bool coincide(const HalfSpace& a, const HalfSpace& b) {
 }  // namespace
 
 double exact_intersection(const geometry::Box& first, const geometry::Box& second) {
+  geometry::require_valid(first, "exact_intersection: first");
+  geometry::require_valid(second, "exact_intersection: second");
   const Vector origin{0, 0, 0};
   Vector between;
   for (int k = 0; k < 3; ++k) between[k] = Number(second.center[k]) - Number(first.center[k]);
@@ -126,4 +129,4 @@ double exact_intersection(const geometry::Box& first, const geometry::Box& secon
   return 0.5 * (low + high) / 6.0;
 }
 
-}  // namespace arbox::testing
+}  // namespace arbox::cgal

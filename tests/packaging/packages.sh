@@ -1,0 +1,64 @@
+#!/usr/bin/env bash
+# packages.sh BUILD ROOT: builds the Debian packages, looks at them, and, where that is possible,
+# installs them in a clean Debian 12 root and runs them there. Exit code 77: not possible here.
+set -euo pipefail
+build=$1 root=$2
+work=$(mktemp -d)
+clean() {
+  mountpoint -q "$work/debian/proc" && umount "$work/debian/proc"
+  rm -rf --one-file-system "$work"
+}
+trap clean EXIT
+fail() { echo "packages: $*" >&2; exit 1; }
+
+(cd "$build" && cpack -G DEB -B "$work/packages" > "$work/cpack.log" 2>&1) || {
+  cat "$work/cpack.log"; fail "cpack failed"; }
+ls -l "$work"/packages/*.deb
+has() { dpkg-deb -c "$work"/packages/"$1"_*.deb | grep "$2" > /dev/null || fail "$1 lacks $2"; }
+lacks() { ! dpkg-deb -c "$work"/packages/"$1"_*.deb | grep "$2" > /dev/null || fail "$1 has $2"; }
+needs() { dpkg-deb -f "$work"/packages/"$1"_*.deb Depends | grep "$2" > /dev/null || fail "$1 does not depend on $2"; }
+free_of() { ! dpkg-deb -f "$work"/packages/"$1"_*.deb Depends | grep -E "$2" > /dev/null || fail "$1 depends on $2"; }
+has arbox-geometry usr/include/arbox/geometry/box.h
+has arbox-geometry usr/lib/libarbox_geometry.so
+lacks arbox-geometry libarbox_io
+free_of arbox-geometry 'torch|opencv|pcl|vtk'
+has arbox-io usr/lib/libarbox_io.so
+needs arbox-io arbox-geometry
+free_of arbox-io 'torch|opencv|vtk'
+has arbox usr/bin/arbox
+has arbox usr/lib/arbox/libarbox_program_torch.so
+has arbox usr/share/arbox/example_head
+needs arbox arbox-io
+needs arbox torch
+free_of arbox 'vtk|cgal'
+has arbox-viewer usr/lib/arbox/libarbox_program_viewer.so
+needs arbox-viewer vtk
+
+if [ "$(id -u)" -ne 0 ] || ! command -v debootstrap > /dev/null; then
+  echo "packages: built and right; not installed: needs root and the package debootstrap"
+  exit 77
+fi
+mirror=${ARBOX_DEBIAN_MIRROR:-http://deb.debian.org/debian}
+if ! debootstrap --variant=minbase bookworm "$work/debian" "$mirror" > "$work/debootstrap.log" 2>&1; then
+  tail -n 3 "$work/debootstrap.log"
+  echo "packages: built and right; not installed: debootstrap cannot make a root from $mirror"
+  exit 77
+fi
+cp "$work"/packages/*.deb "$work/debian/root/"
+cp "$root/examples/data/street.bin" "$work/debian/root/"
+inside() { chroot "$work/debian" env DEBIAN_FRONTEND=noninteractive LC_ALL=C "$@"; }
+mount -t proc proc "$work/debian/proc"
+printf '#!/bin/sh\nexit 101\n' > "$work/debian/usr/sbin/policy-rc.d"
+chmod +x "$work/debian/usr/sbin/policy-rc.d"
+install() {
+  inside sh -c "apt-get install -y -qq --no-install-recommends $* > /tmp/log 2>&1 || { tail -n 5 /tmp/log; exit 1; }"
+}
+install /root/arbox-geometry_*.deb || fail "arbox-geometry does not install"
+install /root/arbox-io_*.deb || fail "arbox-io does not install"
+install /root/arbox_*.deb || fail "arbox does not install"
+inside arbox detect /root/street.bin --quantile 0.2 --format csv | grep Car > /dev/null || fail "no car found"
+inside arbox config show head/autoregressive | grep hidden > /dev/null || fail "LibTorch's part does not open"
+inside arbox view --cloud /root/street.bin --html /root/page.html
+inside sh -c 'arbox view --cloud /root/street.bin --interactive; [ $? -eq 2 ]' 2> /dev/null ||
+  fail "the viewer without a display did not end with 2"
+echo "packages: installed and run in a clean Debian 12"

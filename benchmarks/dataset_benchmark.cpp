@@ -197,7 +197,7 @@ void check_scans(benchmark::State& state) {
     state.PauseTiming();
     if (cold) forget_scans();
     state.ResumeTiming();
-    if (io::check_dataset(*dataset, "train", 2).objects != kScanObjects * kScans) {
+    if (io::check_dataset(*dataset, "train").objects != kScanObjects * kScans) {
       state.SkipWithError("expected 10 objects a scan");
     }
   }
@@ -211,7 +211,7 @@ BENCHMARK(check_scans)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-/// The baseline: the bytes of the same files, read by two threads and thrown away.
+/// The baseline: the bytes of the same files, read by as many threads and thrown away.
 void read_scans(benchmark::State& state) {
   const bool cold = state.range(0) != 0;
   scans();
@@ -219,7 +219,7 @@ void read_scans(benchmark::State& state) {
     state.PauseTiming();
     if (cold) forget_scans();
     state.ResumeTiming();
-    parallel_for(kScans, 1, 2, [&](std::int64_t begin, std::int64_t end) {
+    parallel_for(kScans, 1, 2 * default_threads(), [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t i = begin; i < end; ++i) {
         for (const fs::path& file : files_of(static_cast<std::size_t>(i))) {
           benchmark::DoNotOptimize(io::read_file(file));

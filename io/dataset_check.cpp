@@ -148,7 +148,9 @@ DatasetCheck check_dataset(const DatasetReader& dataset, std::string_view split,
   const std::vector<std::string> names = dataset.names(split);
   const std::size_t step = std::max<std::size_t>(1, names.size() / kWeighed);
   std::vector<SceneFindings> found(names.size());
-  parallel_for(static_cast<std::int64_t>(names.size()), 1, threads,
+  // Some wait for the disk while others look at their points.
+  const int workers = threads == 0 ? 2 * default_threads() : threads;
+  parallel_for(static_cast<std::int64_t>(names.size()), 1, workers,
                [&](std::int64_t begin, std::int64_t end) {
                  for (std::int64_t i = begin; i < end; ++i) {
                    const auto at = static_cast<std::size_t>(i);

@@ -74,6 +74,7 @@ std::vector<FoundObject> found_objects(const CalibrateFlags& flags,
 std::vector<evaluation::CalibrationObject> calibration_objects(
     const std::vector<FoundObject>& found) {
   std::vector<evaluation::CalibrationObject> objects;
+  objects.reserve(found.size());
   for (const FoundObject& object : found) {
     objects.push_back({.label = object.label,
                        .samples = {.boxes = object.samples, .object = objects.size()},

@@ -4,6 +4,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -22,6 +23,9 @@ using Json = nlohmann::ordered_json;
 constexpr std::string_view kHead = "{\"file\": ";
 // In a JSON text a quotation mark within a string has a backslash before it: this ends the object.
 constexpr std::string_view kHeadEnd = "}, \"";
+
+// Room for this many files is taken at the start, so that memory does not grow with each.
+constexpr std::size_t kUsualFiles = 1 << 16;
 
 std::string json_text(const std::string& text) {
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -67,6 +71,7 @@ void append(const Descriptor& file, const std::filesystem::path& path, std::stri
 
 ScanJournal::ScanJournal(std::filesystem::path path)
     : path_(std::move(path)), file_(open_to_append(path_)) {
+  done_.reserve(kUsualFiles);
   if (::flock(file_.get(), LOCK_EX | LOCK_NB) != 0) {
     throw NotAvailable(path_.string() + ": another 'arbox watch' writes to it");
   }
@@ -83,8 +88,10 @@ void ScanJournal::read_lines() {
     try {
       if (!line.starts_with(kHead) || end == std::string::npos) throw FormatError("");
       const auto file = nlohmann::json::parse(line.begin() + kHead.size(), line.begin() + end + 1);
-      done_[hash_of_name(file.at("name").get<std::string>())] = hash_of(FileState{
-          .inode = file.at("inode"), .size = file.at("size"), .modified = file.at("modified")});
+      remember(hash_of_name(file.at("name").get<std::string>()),
+               hash_of(FileState{.inode = file.at("inode"),
+                                 .size = file.at("size"),
+                                 .modified = file.at("modified")}));
     } catch (const std::exception&) {
       throw FormatError(path_.string() + ":" + std::to_string(number) +
                         ": expected a line that 'arbox watch' wrote; give another --output");
@@ -98,26 +105,46 @@ void ScanJournal::read_lines() {
   }
 }
 
-bool ScanJournal::has(const std::string& name, const FileState& state) const {
-  const auto entry = done_.find(hash_of_name(name));
-  return entry != done_.end() && entry->second == hash_of(state);
+std::vector<ScanJournal::Done>::iterator ScanJournal::find(std::uint64_t name) {
+  return std::lower_bound(
+      done_.begin(), done_.end(), name,
+      [](const Done& done, std::uint64_t wanted) { return done.name < wanted; });
+}
+
+void ScanJournal::remember(std::uint64_t name, std::uint64_t state) {
+  const auto place = find(name);
+  if (place != done_.end() && place->name == name) {
+    place->state = state;
+  } else {
+    done_.insert(place, {name, state});
+  }
+}
+
+bool ScanJournal::has(const std::string& name, const FileState& state) {
+  const std::uint64_t hash = hash_of_name(name);
+  const auto place = find(hash);
+  return place != done_.end() && place->name == hash && place->state == hash_of(state);
 }
 
 void ScanJournal::add(const std::string& name, const FileState& state,
                       const io::ScanDetections& scan, const std::string& error) {
   append(file_, path_, line_of(name, state, scan, fold_lines(error)));
-  done_[hash_of_name(name)] = hash_of(state);
+  remember(hash_of_name(name), hash_of(state));
 }
 
-void ScanJournal::forget(const std::string& name) { done_.erase(hash_of_name(name)); }
+void ScanJournal::forget(const std::string& name) {
+  const std::uint64_t hash = hash_of_name(name);
+  const auto place = find(hash);
+  if (place != done_.end() && place->name == hash) done_.erase(place);
+}
 
 void ScanJournal::keep_only(const std::vector<std::string>& names) {
-  std::unordered_map<std::uint64_t, std::uint64_t> kept;
-  for (const std::string& name : names) {
-    const auto entry = done_.find(hash_of_name(name));
-    if (entry != done_.end()) kept.insert(*entry);
-  }
-  done_ = std::move(kept);
+  std::vector<std::uint64_t> wanted;
+  for (const std::string& name : names) wanted.push_back(hash_of_name(name));
+  std::sort(wanted.begin(), wanted.end());
+  std::erase_if(done_, [&](const Done& done) {
+    return !std::binary_search(wanted.begin(), wanted.end(), done.name);
+  });
 }
 
 }  // namespace arbox::cli

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "arbox/cli/folder_watch.h"
@@ -23,7 +22,7 @@ class ScanJournal {
   explicit ScanJournal(std::filesystem::path path);
 
   /// Whether this very file is done: name, inode, size and time of its content.
-  bool has(const std::string& name, const FileState& state) const;
+  bool has(const std::string& name, const FileState& state);
   /// Appends the line of a scan; `error` tells why it has no detections. Throws IoError.
   void add(const std::string& name, const FileState& state, const io::ScanDetections& scan,
            const std::string& error = "");
@@ -32,12 +31,19 @@ class ScanJournal {
   void keep_only(const std::vector<std::string>& names);
 
  private:
+  // Hashes: 16 bytes a file, however long its name.
+  struct Done {
+    std::uint64_t name = 0, state = 0;
+  };
+
   void read_lines();
+  std::vector<Done>::iterator find(std::uint64_t name);
+  void remember(std::uint64_t name, std::uint64_t state);
 
   std::filesystem::path path_;
   Descriptor file_;
-  // Hashes of names and states: 16 bytes a file, however long its name.
-  std::unordered_map<std::uint64_t, std::uint64_t> done_;
+  // By rising hash of the name.
+  std::vector<Done> done_;
 };
 
 /// Appends text to a descriptor. Throws IoError that begins with `path`.

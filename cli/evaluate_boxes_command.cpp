@@ -48,6 +48,7 @@ void append(BoxList& list, const std::string& source, const std::vector<geometry
 
 std::vector<geometry::Box> boxes_of(const auto& found) {
   std::vector<geometry::Box> boxes;
+  boxes.reserve(found.size());
   for (const auto& one : found) boxes.push_back(one.box);
   return boxes;
 }

@@ -24,8 +24,7 @@ struct DetectorFlags {
 };
 
 /// Adds --model, --head, --mode, --detector, --config, --set, --quantile, --confidence, --score,
-/// --seed, --samples,
-/// --channels and --input-format. `flags` must outlive the parsing.
+/// --seed, --samples, --channels and --input-format. `flags` must outlive the parsing.
 void add_detector_flags(CLI::App& command, DetectorFlags& flags);
 
 /// The detector that was chosen. Throws UsageError for a name that nobody knows, --head and --set;

@@ -48,8 +48,9 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
   archive.kind = kCheckpointKind;
   archive.configuration = options_yaml(checkpoint.options);
   archive.texts[kState] = state_text(checkpoint);
-  for (const auto& [name, tensor] : checkpoint.tensors)
+  for (const auto& [name, tensor] : checkpoint.tensors) {
     archive.records[name] = detectors::to_record(tensor);
+  }
   write_durably(path, io::encode_model_archive(archive));
 }
 
@@ -69,8 +70,9 @@ Checkpoint read_checkpoint(const std::filesystem::path& path) {
   } catch (const nlohmann::json::exception& error) {
     throw FormatError(path.string() + ": " + kState + ": " + error.what());
   }
-  for (const auto& [name, record] : archive.records)
+  for (const auto& [name, record] : archive.records) {
     checkpoint.tensors[name] = detectors::to_tensor(record, name);
+  }
   return checkpoint;
 }
 

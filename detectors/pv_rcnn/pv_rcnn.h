@@ -35,7 +35,8 @@ class PvRcnn : public Detector {
   explicit PvRcnn(std::shared_ptr<Network> network,
                   std::optional<evaluation::ConfidenceCalibration> calibration = {});
 
-  /// Throws InvalidArgument for a request out of range, and for confidences without a calibration.
+  /// Throws InvalidArgument for a request out of range, and for confidences without a calibration
+  /// or of another head than the first, which is the one that is calibrated.
   DetectionResult detect(const geometry::PointCloudView& cloud,
                          const DetectionRequest& request = {}) const override;
   /// What each of Network::heads() makes of the same proposals, in their order.

@@ -5,13 +5,12 @@
 
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/commands.h"
+#include "arbox/cli/labelled_scans.h"
 #include "arbox/cli/progress.h"
 #include "arbox/cli/torch_module.h"
 #include "arbox/evaluation/center_matching.h"
 #include "arbox/evaluation/confidence_calibration.h"
-#include "arbox/io/kitti.h"
 #include "arbox/io/kitti_dataset.h"
-#include "arbox/io/kitti_label.h"
 #include "arbox/io/model_archive.h"
 #include "arbox/io/model_search.h"
 
@@ -29,15 +28,6 @@ struct CalibrateFlags {
   detectors::DetectionRequest request{.score = 0.3, .samples = true};
   evaluation::CalibrationOptions calibration;
 };
-
-std::vector<geometry::Detection> labelled_objects(const io::KittiPaths& paths, bool all_round) {
-  std::filesystem::path labels = paths.label;
-  if (all_round) {
-    labels = paths.label.parent_path().parent_path() / "label_360" / paths.label.filename();
-  }
-  return io::to_detections(io::read_kitti_labels(labels),
-                           io::read_kitti_calibration(paths.calibration));
-}
 
 struct FoundObject {
   std::string label;

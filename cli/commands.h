@@ -10,6 +10,7 @@
 
 namespace arbox::cli {
 
+void add_benchmark(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_config(CLI::App& app);
 void add_convert(CLI::App& app);
@@ -29,6 +30,9 @@ void add_watch(CLI::App& app);
 
 /// Adds `boxes` to the command `evaluate`.
 void add_evaluate_boxes(CLI::App& evaluate);
+
+/// Adds `uncertainty` to the command `evaluate`.
+void add_evaluate_uncertainty(CLI::App& evaluate);
 
 /// Adds `kitti` to the command `info`.
 void add_info_kitti(CLI::App& info);

@@ -241,6 +241,7 @@ void add_evaluate(CLI::App& app) {
   add_kitti(*evaluate, std::make_shared<EvaluateFlags>());
   add_indoor(*evaluate, std::make_shared<EvaluateFlags>());
   add_evaluate_boxes(*evaluate);
+  add_evaluate_uncertainty(*evaluate);
   add_examples(*evaluate,
                {{"arbox evaluate kitti --labels label_2 --predictions results", "KITTI protocol"},
                 {"arbox evaluate indoor --labels truth.jsonl --predictions found.jsonl",

@@ -5,6 +5,7 @@ namespace {
 
 void add_commands(CLI::App& app) {
   using namespace arbox::cli;
+  add_benchmark(app);
   add_calibrate(app);
   add_config(app);
   add_convert(app);

@@ -98,6 +98,8 @@ struct TorchModule {
   /// The detector of a model file; `overrides` change its options, each KEY=VALUE.
   std::unique_ptr<detectors::Detector> (*load_detector)(const std::string& file,
                                                         const std::vector<std::string>& overrides);
+  /// The heads of a model file, the one that answers first.
+  std::vector<std::string> (*model_heads)(const std::string& file);
 };
 
 /// Opens the library, once. Throws NotAvailable if this installation lacks it.

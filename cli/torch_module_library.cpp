@@ -63,6 +63,13 @@ std::unique_ptr<detectors::Detector> load_detector(const std::string& file,
   return detectors::pv_rcnn::load_pv_rcnn(file, overrides);
 }
 
+std::vector<std::string> model_heads(const std::string& file) {
+  std::vector<std::string> names;
+  const auto model = detectors::pv_rcnn::load_model(file);
+  for (const auto& [name, head] : model.network->heads()) names.push_back(name);
+  return names;
+}
+
 }  // namespace
 }  // namespace arbox::cli
 
@@ -71,7 +78,8 @@ arbox_torch_module() {
   using namespace arbox;
   static const cli::TorchModule module = {
       &cli::register_built_ins, &cli::find_options, &cli::fit_bins,
-      &cli::import_openpcdet,   &cli::train,        &cli::load_detector};
+      &cli::import_openpcdet,   &cli::train,        &cli::load_detector,
+      &cli::model_heads};
   return &module;
 }
 

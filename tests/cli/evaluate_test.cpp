@@ -161,4 +161,71 @@ TEST(EvaluateIndoor, BadFilesAreNamed) {
       {"nowhere"});
 }
 
+/// Two scans: in the first a car is found, in the second nothing.
+struct FoundCars {
+  TemporaryDirectory root;
+  FoundCars() {
+    const std::string box =
+        R"({"center": [10, 0, 0], "size": [4, 2, 1.5], "rotation": [1, 0, 0, 0]})";
+    root.write("truth.jsonl", R"({"source": "a.bin", "detections": [{"class": "Car", "box": )" +
+                                  box + "}]}\n" +
+                                  R"({"source": "b.bin", "detections": [{"class": "Car", "box": )" +
+                                  box + "}]}\n");
+    root.write("found.jsonl",
+               R"({"source": "a.bin", "detections": [{"class": "Car", "score": 0.8, "box": )" +
+                   box + R"(, "uncertainty": 0.2, "quantile_boxes": [{"q": 0.1, "box": )" + box +
+                   R"(, "fallback": false}], "samples": [)" + box + R"(]}]})" + "\n" +
+                   R"({"source": "b.bin", "detections": []})" + "\n");
+  }
+  RunResult run(const std::string& truth, std::vector<std::string> more) const {
+    std::vector<std::string> arguments = {"evaluate",   "uncertainty",   "--labels",
+                                          root / truth, "--predictions", root / "found.jsonl"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_arbox(arguments);
+  }
+};
+
+TEST(EvaluateUncertainty, ScoresJsonAgainstJson) {
+  const FoundCars cars;
+  const RunResult result = cars.run("truth.jsonl", {"--json", "-"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const json report = json::parse(result.output);
+  EXPECT_EQ(report.at("scans"), 2);
+  const json& car = report.at("classes").at("Car");
+  EXPECT_EQ(car.at("objects"), 2);
+  EXPECT_EQ(car.at("found"), 1);
+  EXPECT_NEAR(car.at("mean_iou").get<double>(), 1.0, kTiny);
+  EXPECT_EQ(car.at("quantile_boxes").at(0).at("contained"), 1.0);
+  EXPECT_EQ(json::parse(cars.run("truth.jsonl", {"--json", "-", "--score", "0.9"}).output)
+                .at("all")
+                .at("found"),
+            0);
+}
+
+TEST(EvaluateUncertainty, WritesTableReportAndPicture) {
+  const FoundCars cars;
+  const RunResult result = cars.run(
+      "truth.jsonl",
+      {"--measure", "gaussian", "--json", cars.root / "r.json", "--plot", cars.root / "p.png"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, HasSubstr("2 scans"));
+  EXPECT_EQ(json::parse(slurp(cars.root / "r.json")).at("protocol"), "uncertainty");
+  EXPECT_EQ(slurp(cars.root / "p.png").substr(1, 3), "PNG");
+}
+
+TEST(EvaluateUncertainty, BadInputIsToldInOneLine) {
+  const FoundCars cars;
+  expect_one_line_error(cars.run("truth.jsonl", {"--plot", "picture.svg"}), 2, {"picture.svg"});
+  expect_one_line_error(cars.run("truth.jsonl", {"--distance", "0"}), 2, {"--distance"});
+  expect_one_line_error(cars.run("no_such_file", {}), 1, {"no_such_file"});
+  cars.root.write("one.jsonl", R"({"source": "a.bin", "detections": []})");
+  expect_one_line_error(cars.run("one.jsonl", {}), 1, {"no labels of scan 'b'"});
+  cars.root.write("twice.jsonl",
+                  "{\"source\": \"a.bin\", \"detections\": []}\n"
+                  "{\"source\": \"x/a.bin\", \"detections\": []}\n");
+  expect_one_line_error(cars.run("twice.jsonl", {}), 1, {"'a' stands twice"});
+  cars.root.write("label_2/a.txt", "");
+  expect_one_line_error(cars.run("label_2", {}), 2, {"--calib"});
+}
+
 }  // namespace

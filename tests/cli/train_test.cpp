@@ -186,6 +186,44 @@ train: {steps: 3, batch_size: 1, seed: 5}
     expect_one_line_error(run_arbox(sure), 1, {"found none of the labelled objects"});
   }
 
+  /// The whole benchmark, on two scans.
+  static void compare(const std::string& model) {
+    const auto result =
+        run_arbox({"benchmark", "--data", path("streets"), "--split", "training", "--scans", "2",
+                   "--all-round", "--model", model, "--score", "0", "--found-score", "0", "--timed",
+                   "1", "--output", path("results")});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_THAT(result.output, HasSubstr("| gaussian | q 0.20 |"));
+    const auto report = nlohmann::json::parse(slurp(path("results") + "/benchmark.json"));
+    std::set<std::string> rows;
+    for (const auto& row : report.at("rows")) {
+      rows.insert(row.at("detector").get<std::string>() + " " + row.at("box").get<std::string>());
+      EXPECT_EQ(row.at("iou").at("overlap"), "iou");
+      EXPECT_EQ(row.at("iog").at("overlap"), "iog");
+      EXPECT_EQ(row.at("recall").at("frames"), 2);
+      const bool timed = row.at("detector") != "cluster_fit" || row.at("box") == "box";
+      EXPECT_EQ(row.at("median_milliseconds").is_number(), timed) << row.at("detector");
+    }
+    for (const std::string head : {"autoregressive", "gaussian"}) {
+      for (const char* box : {" beam", " mean", " q 0.10", " q 0.20", " q 0.40", " q 0.50"}) {
+        EXPECT_TRUE(rows.contains(head + box)) << head << box;
+      }
+      EXPECT_GT(report.at("uncertainty").at(head).at("all").at("objects"), 0);
+    }
+    EXPECT_TRUE(rows.contains("pointwise pointwise"));
+    EXPECT_TRUE(rows.contains("cluster_fit box"));
+    EXPECT_TRUE(report.at("uncertainty").contains("gaussian, G"));
+    for (const char* name : {"average_precision.png", "containment.png",
+                             "precision_recall_autoregressive.png", "benchmark.md"}) {
+      EXPECT_FALSE(slurp(path("results") + "/" + name).empty()) << name;
+    }
+    expect_one_line_error(run_arbox({"benchmark", "--data", path("streets"), "--split", "night"}),
+                          1, {"night"});
+    expect_one_line_error(run_arbox({"benchmark", "--data", path("streets"), "--split", "training",
+                                     "--no-cluster-fit"}),
+                          2, {"expected a model or cluster_fit"});
+  }
+
   static std::string path(const char* name) { return (*folder_ / name).string(); }
 
   static TemporaryDirectory* folder_;
@@ -225,6 +263,7 @@ TEST_F(TrainCommand, TrainsEndsAndResumes) {
   }
 
   calibrate_and_detect(path("whole") + "/model.arbox");
+  compare(path("whole") + "/model.arbox");
 
   expect_one_line_error(run_arbox({"train", path("train.yaml"), "--output", path("whole")}), 1,
                         {"holds a training run"});

@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "arbox/cli/outdoor_benchmark.h"
+#include "arbox/drawing/curves.h"
+#include "arbox/evaluation/report.h"
+#include "arbox/io/json.h"
+
+namespace arbox::cli {
+namespace {
+
+using evaluation::KittiReport;
+using io::Json;
+
+template <class... Values>
+std::string text(const char* format, Values... values) {
+  std::array<char, 256> line{};
+  std::snprintf(line.data(), line.size(), format, values...);
+  return line.data();
+}
+
+Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+/// Markdown's header row and the one below it.
+std::string header(const std::vector<std::string>& names) {
+  std::string first = "|", second = "|";
+  for (const std::string& name : names) {
+    first += " " + name + " |";
+    second += "---|";
+  }
+  return first + "\n" + second + "\n";
+}
+
+std::string precision_table(const OutdoorBenchmark& benchmark, KittiReport BenchmarkRow::*report) {
+  std::string result = header({"detector", "box", "Car easy", "mod.", "hard", "Pedestrian easy",
+                               "mod.", "hard", "Cyclist easy", "mod.", "hard"});
+  for (const BenchmarkRow& row : benchmark.rows) {
+    result += "| " + row.detector + " | " + row.box + " |";
+    for (const auto& of_class : (row.*report).classes) {
+      for (std::size_t d = 0; d < evaluation::kKittiDifficulties.size(); ++d) {
+        result += of_class.box3d ? text(" %.2f |", (*of_class.box3d)[d].r40()) : " - |";
+      }
+    }
+    result += "\n";
+  }
+  return result;
+}
+
+std::string recall_table(const OutdoorBenchmark& benchmark) {
+  std::string result = header({"detector", "box", "recall at IoU 0.5", "at 0.7",
+                               "false cars a scan", "ms a scan (median)", "95 %"});
+  for (const BenchmarkRow& row : benchmark.rows) {
+    result += "| " + row.detector + " | " + row.box + " |";
+    for (const auto& share : row.recall.found) {
+      result += text(" %.3f (%.3f..%.3f) |", share.recall, share.interval.low, share.interval.high);
+    }
+    result += text(" %.2f |", row.recall.false_per_frame());
+    for (const auto& time : {row.median_milliseconds, row.slow_milliseconds}) {
+      result += time ? text(" %.0f |", *time) : " |";
+    }
+    result += "\n";
+  }
+  return result;
+}
+
+std::string uncertainty_table(const OutdoorBenchmark& benchmark) {
+  std::string result = header({"detector", "found", "mean IoU", "F1 of means", "ROC AUC",
+                               "Spearman", "contained, by q (promised)"});
+  for (const NamedUncertainty& one : benchmark.uncertainty) {
+    const auto& all = one.report.all;
+    result += text("| %s | %zu of %zu | %.3f | %.3f |", one.name.c_str(), all.found, all.objects,
+                   all.mean_iou, all.f1_of_means);
+    result += all.roc_auc ? text(" %.3f |", *all.roc_auc) : " - |";
+    result += all.spearman ? text(" %.3f |", *all.spearman) : " - |";
+    for (const auto& level : all.quantile_boxes) {
+      result += text(" %g: %.3f (%.2f)", level.level, level.contained, level.promised);
+    }
+    result += " |\n";
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string to_json(const OutdoorBenchmark& benchmark) {
+  Json json = {{"benchmark", "outdoor"},
+               {"title", benchmark.title},
+               {"model", benchmark.options.model},
+               {"scans", benchmark.scans},
+               {"threads", benchmark.threads},
+               {"peak_memory_megabytes", benchmark.peak_memory},
+               {"rows", Json::array()},
+               {"uncertainty", Json::object()}};
+  for (const BenchmarkRow& row : benchmark.rows) {
+    json["rows"].push_back({{"detector", row.detector},
+                            {"box", row.box},
+                            {"iou", Json::parse(evaluation::to_json(row.iou))},
+                            {"iog", Json::parse(evaluation::to_json(row.iog))},
+                            {"recall", Json::parse(evaluation::to_json(row.recall))},
+                            {"median_milliseconds", number_or_null(row.median_milliseconds)},
+                            {"slow_milliseconds", number_or_null(row.slow_milliseconds)}});
+  }
+  for (const NamedUncertainty& one : benchmark.uncertainty) {
+    json["uncertainty"][one.name] = Json::parse(evaluation::to_json(one.report));
+  }
+  return io::dump_json(json, 1) + "\n";
+}
+
+std::string to_markdown(const OutdoorBenchmark& benchmark) {
+  const auto& options = benchmark.options;
+  std::string result = "# " + benchmark.title + "\n\n";
+  if (!options.model.empty()) result += "Model: " + options.model + "\n\n";
+  result += "3-D average precision (R40, percent), IoU:\n\n" +
+            precision_table(benchmark, &BenchmarkRow::iou) +
+            "\n3-D average precision (R40, percent), IoG:\n\n" +
+            precision_table(benchmark, &BenchmarkRow::iog);
+  if (!benchmark.rows.empty()) {
+    const auto& recall = benchmark.rows[0].recall;
+    result +=
+        text(
+            "\nCars within %g m, occlusion up to %d, truncation up to %g, score from %g "
+            "(%zu cars; 95 %% interval), and speed on %d threads:\n\n",
+            recall.options.max_range, recall.options.max_occlusion, recall.options.max_truncation,
+            recall.options.min_score, recall.objects, benchmark.threads) +
+        recall_table(benchmark);
+  }
+  result += text("\nFound objects (score from %g), %s:\n\n", options.found_score,
+                 options.all_round ? "all directions" : "in the camera's view") +
+            uncertainty_table(benchmark) +
+            text("\nLargest memory of the whole run: %.0f MB.\n", benchmark.peak_memory);
+  return result;
+}
+
+drawing::Image draw_average_precision(const OutdoorBenchmark& benchmark) {
+  std::vector<drawing::Panel> panels;
+  constexpr std::size_t kModerate = 1;
+  const auto add = [&](const std::string& detector) {
+    drawing::Panel panel;
+    panel.title = detector;
+    panel.y = {.label = "AP moderate, 3-D (percent)", .low = 0.0, .high = 100.0};
+    std::vector<drawing::Bars> bars;
+    for (const BenchmarkRow& row : benchmark.rows) {
+      if (row.detector != detector) continue;
+      panel.categories.push_back(row.box);
+      std::size_t at = 0;
+      for (const auto& [report, measure] : {std::pair(&row.iou, "IoU"), {&row.iog, "IoG"}}) {
+        const auto& car = report->classes.front();
+        if (bars.size() <= at) {
+          bars.push_back({.name = car.settings.name + ", " + measure, .heights = {}});
+        }
+        bars[at++].heights.push_back(car.box3d ? (*car.box3d)[kModerate].r40() : 0.0);
+      }
+    }
+    panel.bars = std::move(bars);
+    panels.push_back(std::move(panel));
+  };
+  std::vector<std::string> done;
+  for (const BenchmarkRow& row : benchmark.rows) {
+    if (std::find(done.begin(), done.end(), row.detector) != done.end()) continue;
+    done.push_back(row.detector);
+    add(row.detector);
+  }
+  return drawing::draw_figure(panels, {.title = benchmark.title});
+}
+
+}  // namespace arbox::cli

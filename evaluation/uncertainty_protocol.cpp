@@ -1,0 +1,178 @@
+#include "arbox/evaluation/uncertainty_protocol.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "arbox/base/error.h"
+#include "arbox/evaluation/box_estimation.h"
+#include "arbox/evaluation/center_matching.h"
+#include "arbox/evaluation/ranking.h"
+#include "arbox/geometry/overlap.h"
+
+namespace arbox::evaluation {
+namespace {
+
+using geometry::Detection;
+
+void require_options(const UncertaintyOptions& options) {
+  const auto require_share = [](double value, const char* name) {
+    if (value >= 0.0 && value <= 1.0) return;
+    throw InvalidArgument(std::string("evaluate_uncertainty: expected ") + name +
+                          " from 0 to 1, got " + std::to_string(value));
+  };
+  require_share(options.min_score, "min_score");
+  require_share(options.min_iog, "min_iog");
+  require_share(options.wrong_iou, "wrong_iou");
+}
+
+/// Boxes of one level and those of them that contain their object.
+struct Contained {
+  std::size_t boxes = 0, contained = 0;
+};
+
+/// What the figures of a class are made of.
+struct Sums {
+  std::size_t objects = 0, found = 0, wrong = 0;
+  double iou = 0.0, iog = 0.0, f1 = 0.0;
+  std::map<double, Contained> quantile, confidence;
+  std::vector<double> uncertainty, uncertain_iou;
+  std::vector<bool> uncertain_wrong;
+
+  void add(const Detection& detection, const Detection& object, const BoxError& error,
+           const UncertaintyOptions& options) {
+    ++found;
+    iou += error.iou;
+    iog += error.iog;
+    f1 += error.f1;
+    const bool is_wrong = error.iou < options.wrong_iou;
+    wrong += is_wrong ? 1 : 0;
+    const auto count = [&](Contained& level, const geometry::Box& box) {
+      ++level.boxes;
+      const double covered =
+          geometry::overlap(box, object.box, {.measure = geometry::Overlap::kIog});
+      level.contained += covered > options.min_iog ? 1 : 0;
+    };
+    for (const auto& box : detection.quantile_boxes) count(quantile[box.q], box.box);
+    for (const auto& box : detection.confidence_boxes) count(confidence[box.p], box.box);
+    if (!detection.uncertainty) return;
+    if (!std::isfinite(*detection.uncertainty)) {
+      throw InvalidArgument("evaluate_uncertainty: expected a finite uncertainty, got " +
+                            std::to_string(*detection.uncertainty));
+    }
+    uncertainty.push_back(*detection.uncertainty);
+    uncertain_iou.push_back(error.iou);
+    uncertain_wrong.push_back(is_wrong);
+  }
+};
+
+std::vector<PromisedContainment> promises(const std::map<double, Contained>& levels,
+                                          bool quantiles) {
+  std::vector<PromisedContainment> result;
+  for (const auto& [level, count] : levels) {
+    result.push_back(
+        {.level = level,
+         .promised = quantiles ? 1.0 - level : level,
+         .contained = static_cast<double>(count.contained) / static_cast<double>(count.boxes),
+         .boxes = count.boxes});
+  }
+  return result;
+}
+
+UncertaintyFigures figures_of(const std::string& label, const Sums& sums) {
+  UncertaintyFigures figures;
+  figures.label = label;
+  figures.objects = sums.objects;
+  figures.found = sums.found;
+  figures.wrong = sums.wrong;
+  const auto count = static_cast<double>(std::max<std::size_t>(sums.found, 1));
+  figures.mean_iou = sums.iou / count;
+  figures.mean_iog = sums.iog / count;
+  figures.mean_f1 = sums.f1 / count;
+  const double both = figures.mean_iou + figures.mean_iog;
+  figures.f1_of_means = both > 0 ? 2.0 * figures.mean_iou * figures.mean_iog / both : 0.0;
+  figures.quantile_boxes = promises(sums.quantile, true);
+  figures.confidence_boxes = promises(sums.confidence, false);
+  figures.roc_auc = roc_auc(sums.uncertainty, sums.uncertain_wrong);
+  figures.spearman = spearman_correlation(sums.uncertainty, sums.uncertain_iou);
+  return figures;
+}
+
+std::vector<std::string> classes_of(std::span<const UncertaintyScan> scans,
+                                    const UncertaintyOptions& options) {
+  if (!options.classes.empty()) return options.classes;
+  std::set<std::string> names;
+  for (const UncertaintyScan& scan : scans) {
+    for (const Detection& object : scan.objects) names.insert(object.label);
+  }
+  return {names.begin(), names.end()};
+}
+
+}  // namespace
+
+UncertaintyReport evaluate_uncertainty(std::span<const UncertaintyScan> scans,
+                                       const UncertaintyOptions& options) {
+  require_options(options);
+  UncertaintyReport report{
+      .options = options, .scans = scans.size(), .classes = {}, .all = {}, .found = {}};
+  const std::vector<std::string> classes = classes_of(scans, options);
+  std::map<std::string, Sums> sums;
+  for (const std::string& label : classes) sums[label];
+  Sums all;
+  for (const UncertaintyScan& scan : scans) {
+    std::vector<Detection> detections;
+    std::copy_if(scan.detections.begin(), scan.detections.end(), std::back_inserter(detections),
+                 [&](const Detection& one) { return one.score >= options.min_score; });
+    for (const Detection& object : scan.objects) {
+      const auto of_class = sums.find(object.label);
+      if (of_class == sums.end()) continue;
+      ++of_class->second.objects;
+      ++all.objects;
+    }
+    for (const auto& match : match_by_center(detections, scan.objects, options.max_distance)) {
+      const Detection& detection = detections[match.detection];
+      const Detection& object = scan.objects[match.object];
+      const auto of_class = sums.find(object.label);
+      if (of_class == sums.end()) continue;
+      const BoxError error =
+          box_error(detection.box, object.box, geometry::BoxSymmetry::kHalfTurns);
+      of_class->second.add(detection, object, error, options);
+      all.add(detection, object, error, options);
+      report.found.push_back({.label = object.label,
+                              .iou = error.iou,
+                              .iog = error.iog,
+                              .uncertainty = detection.uncertainty});
+    }
+  }
+  for (const std::string& label : classes) report.classes.push_back(figures_of(label, sums[label]));
+  report.all = figures_of("all", all);
+  return report;
+}
+
+void use_gaussian_uncertainty(std::span<Detection> detections) {
+  for (Detection& detection : detections) {
+    if (detection.samples.empty()) {
+      throw InvalidArgument(
+          "use_gaussian_uncertainty: expected box samples with every detection, got none; ask the "
+          "detector for them");
+    }
+    detection.uncertainty =
+        geometry::gaussian_uncertainty({.boxes = detection.samples, .weights = {}, .object = 0});
+  }
+}
+
+ShareInterval share_interval(std::size_t hits, std::size_t trials) {
+  if (trials == 0) return {};
+  constexpr double kDeviations = 1.959963984540054;
+  const auto n = static_cast<double>(trials);
+  const double share = static_cast<double>(hits) / n;
+  const double square = kDeviations * kDeviations;
+  const double middle = share + square / (2.0 * n);
+  const double reach = kDeviations * std::sqrt(share * (1.0 - share) / n + square / (4.0 * n * n));
+  const double scale = 1.0 + square / n;
+  return {.low = std::max((middle - reach) / scale, 0.0),
+          .high = std::min((middle + reach) / scale, 1.0)};
+}
+
+}  // namespace arbox::evaluation

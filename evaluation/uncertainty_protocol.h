@@ -1,0 +1,117 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "arbox/evaluation/containment.h"
+#include "arbox/geometry/detection.h"
+
+/// \file
+/// Whether a detector knows how sure it may be (Liu et al., ECCV 2022, sections 5.2 and 5.3): how
+/// often its boxes contain what they promise to contain, and whether its uncertainty tells good
+/// boxes from bad ones. Only objects that were found count; how many are found is for the protocols
+/// of average precision (kitti_protocol.h) and recall.h.
+
+namespace arbox::evaluation {
+
+/// Detections of one scan and its labelled objects, in one frame.
+struct UncertaintyScan {
+  /// With quantile boxes, confidence boxes and uncertainty, as far as the detector gives them.
+  std::vector<geometry::Detection> detections;
+  std::vector<geometry::Detection> objects;
+};
+
+struct UncertaintyOptions {
+  /// Classes to be scored; empty: all of the objects.
+  std::vector<std::string> classes = {};
+  /// Detections with a lower score are left out.
+  double min_score = 0.0;
+  /// How far a detection's centre may be from its object's (center_matching.h), metres.
+  double max_distance = 2.0;
+  /// The share of the true box that counts as containing it.
+  double min_iog = kContainedIog;
+  /// Boxes with an IoU below this are wrong; the uncertainty should tell which (paper, section
+  /// 5.3).
+  double wrong_iou = 0.25;
+};
+
+/// Promise and fact of all boxes of one kind, for example all quantile boxes of q = 0.2.
+struct PromisedContainment {
+  /// q of quantile boxes, p of confidence boxes.
+  double level = 0.0;
+  /// 1 - q or p.
+  double promised = 0.0;
+  /// Share of the boxes whose IoG is above min_iog.
+  double contained = 0.0;
+  /// Objects that have such a box.
+  std::size_t boxes = 0;
+};
+
+/// An object that was found.
+struct FoundBox {
+  std::string label;
+  double iou = 0.0, iog = 0.0;
+  std::optional<double> uncertainty = {};
+};
+
+struct UncertaintyFigures {
+  /// A class, or "all".
+  std::string label;
+  std::size_t objects = 0;
+  /// Objects that were found, and how many of their boxes are wrong.
+  std::size_t found = 0, wrong = 0;
+  /// Over the found objects; 0 where there are none. F1 = 2 IoU IoG / (IoU + IoG), of the means and
+  /// averaged over the objects.
+  double mean_iou = 0.0, mean_iog = 0.0, f1_of_means = 0.0, mean_f1 = 0.0;
+  /// By level, rising.
+  std::vector<PromisedContainment> quantile_boxes, confidence_boxes;
+  /// Over the found objects that have an uncertainty: area under the ROC curve of telling wrong
+  /// boxes, and rank correlation with the IoU (the nearer to -1 the better). Empty where they are
+  /// not defined, such as without a wrong box.
+  std::optional<double> roc_auc, spearman;
+};
+
+struct UncertaintyReport {
+  UncertaintyOptions options;
+  std::size_t scans = 0;
+  /// In the order of the options, or of their names.
+  std::vector<UncertaintyFigures> classes;
+  UncertaintyFigures all;
+  /// All found objects, scan by scan.
+  std::vector<FoundBox> found;
+};
+
+/// Matches the detections of every scan with its objects by class and centre, and scores the
+/// matched ones. No scans give a report of zeros. Throws InvalidArgument for options out of range,
+/// invalid boxes and uncertainties that are not finite. Cost: detections times objects of each
+/// scan.
+UncertaintyReport evaluate_uncertainty(std::span<const UncertaintyScan> scans,
+                                       const UncertaintyOptions& options = {});
+
+/// G, the deviation of the sampled sizes (geometry::gaussian_uncertainty), in place of each
+/// detection's own uncertainty: the measure that the paper compares with. Throws InvalidArgument
+/// for a detection without samples.
+void use_gaussian_uncertainty(std::span<geometry::Detection> detections);
+
+/// Wilson's interval (1927) of a share at 95 %: {low, high} for `hits` among `trials`; {0, 1} for
+/// no trials.
+struct ShareInterval {
+  double low = 0.0, high = 1.0;
+};
+ShareInterval share_interval(std::size_t hits, std::size_t trials);
+
+/// {"protocol": "uncertainty", "scans": 2, "min_iog": 0.95, "wrong_iou": 0.25, "max_distance": 2.0,
+///  "min_score": 0.3, "classes": {"Car": {"objects": 9, "found": 8, "wrong": 1, "mean_iou": ...,
+///  "mean_iog": ..., "f1_of_means": ..., "mean_f1": ..., "roc_auc": ..., "spearman": ...,
+///  "quantile_boxes": [{"q": 0.1, "promised": 0.9, "contained": 0.88, "boxes": 8}],
+///  "confidence_boxes": [{"p": 0.9, "promised": 0.9, "contained": 0.91, "boxes": 8}]}},
+///  "all": {...}}; figures that are not defined are null.
+std::string to_json(const UncertaintyReport& report);
+
+/// Lines for a terminal.
+std::string to_table(const UncertaintyReport& report);
+
+}  // namespace arbox::evaluation

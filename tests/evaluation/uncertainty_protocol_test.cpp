@@ -1,0 +1,160 @@
+#include "arbox/evaluation/uncertainty_protocol.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "arbox/base/error.h"
+#include "arbox/base/random.h"
+#include "arbox/evaluation/ranking.h"
+#include "arbox/geometry/overlap.h"
+
+namespace arbox::evaluation {
+namespace {
+
+using geometry::Detection;
+
+constexpr double kTiny = 1e-12;
+
+Detection car_at(double x, double length = 4.0) {
+  Detection detection;
+  detection.label = "Car";
+  detection.score = 0.9;
+  detection.box = geometry::make_yaw_box({x, 0, 0}, {length, 2, 1.5}, 0);
+  return detection;
+}
+
+/// Moved along x so that the IoU is 2 / 6: the box is wrong only from a limit of 1 / 3.
+UncertaintyScan half_a_length_off() { return {.detections = {car_at(2)}, .objects = {car_at(0)}}; }
+
+TEST(Uncertainty, FiguresOfAHandMadeScan) {
+  UncertaintyScan scan{.detections = {car_at(0), car_at(22), car_at(100)},
+                       .objects = {car_at(0), car_at(20), car_at(50)}};
+  scan.detections[0].quantile_boxes = {{.q = 0.1, .box = car_at(0, 5).box},
+                                       {.q = 0.5, .box = car_at(0, 4).box}};
+  scan.detections[1].quantile_boxes = {{.q = 0.1, .box = car_at(20, 8).box},
+                                       {.q = 0.5, .box = car_at(22, 4).box}};
+  scan.detections[0].confidence_boxes = {{.p = 0.9, .box = car_at(0, 5).box}};
+  scan.detections[0].uncertainty = 0.1;
+  scan.detections[1].uncertainty = 0.8;
+  const auto report = evaluate_uncertainty(std::vector{scan}, {.wrong_iou = 0.5});
+  EXPECT_EQ(report.scans, 1u);
+  ASSERT_EQ(report.classes.size(), 1u);
+  for (const UncertaintyFigures& figures : {report.classes[0], report.all}) {
+    EXPECT_EQ(figures.objects, 3u);
+    EXPECT_EQ(figures.found, 2u);
+    EXPECT_EQ(figures.wrong, 1u);
+    EXPECT_NEAR(figures.mean_iou, (1.0 + 1.0 / 3) / 2, kTiny);
+    EXPECT_NEAR(figures.mean_iog, (1.0 + 0.5) / 2, kTiny);
+    EXPECT_NEAR(figures.mean_f1, (1.0 + 0.4) / 2, kTiny);
+    EXPECT_NEAR(figures.f1_of_means, 2 * (2.0 / 3) * 0.75 / (2.0 / 3 + 0.75), kTiny);
+    ASSERT_EQ(figures.quantile_boxes.size(), 2u);
+    EXPECT_EQ(figures.quantile_boxes[0].level, 0.1);
+    EXPECT_NEAR(figures.quantile_boxes[0].promised, 0.9, kTiny);
+    EXPECT_EQ(figures.quantile_boxes[0].contained, 1.0);
+    EXPECT_EQ(figures.quantile_boxes[1].contained, 0.5);
+    ASSERT_EQ(figures.confidence_boxes.size(), 1u);
+    EXPECT_EQ(figures.confidence_boxes[0].boxes, 1u);
+    EXPECT_EQ(figures.confidence_boxes[0].promised, 0.9);
+    EXPECT_EQ(figures.roc_auc, 1.0);
+    ASSERT_TRUE(figures.spearman);
+    EXPECT_NEAR(*figures.spearman, -1.0, kTiny);
+  }
+  ASSERT_EQ(report.found.size(), 2u);
+  EXPECT_EQ(report.found[1].uncertainty, 0.8);
+}
+
+TEST(Uncertainty, RankingsAreThoseOfAllFoundObjects) {
+  const RandomStream random(7, 0, 0);
+  std::uint32_t draw = 0;
+  std::vector<UncertaintyScan> scans;
+  std::vector<double> uncertainty, iou;
+  std::vector<bool> wrong;
+  for (int i = 0; i < 200; ++i) {
+    const double move = 1.9 * random.uniform(draw++);
+    UncertaintyScan scan{.detections = {car_at(move)}, .objects = {car_at(0)}};
+    scan.detections[0].uncertainty = move + 0.5 * random.uniform(draw++);
+    uncertainty.push_back(*scan.detections[0].uncertainty);
+    iou.push_back(geometry::overlap(scan.detections[0].box, scan.objects[0].box));
+    wrong.push_back(iou.back() < 0.6);
+    scans.push_back(std::move(scan));
+  }
+  const auto report = evaluate_uncertainty(scans, {.wrong_iou = 0.6});
+  EXPECT_EQ(report.all.found, 200u);
+  ASSERT_TRUE(report.all.roc_auc && report.all.spearman);
+  EXPECT_NEAR(*report.all.roc_auc, *roc_auc(uncertainty, wrong), kTiny);
+  EXPECT_NEAR(*report.all.spearman, *spearman_correlation(uncertainty, iou), kTiny);
+  EXPECT_GT(*report.all.roc_auc, 0.8);
+  EXPECT_LT(*report.all.spearman, -0.7);
+}
+
+TEST(Uncertainty, ClassesScoresAndDistanceDecideWhatCounts) {
+  auto scan = half_a_length_off();
+  scan.objects.push_back(car_at(30));
+  scan.objects.back().label = "Tram";
+  EXPECT_EQ(evaluate_uncertainty(std::vector{scan}).classes.size(), 2u);
+  EXPECT_EQ(evaluate_uncertainty(std::vector{scan}, {.classes = {"Car"}}).all.objects, 1u);
+  EXPECT_EQ(evaluate_uncertainty(std::vector{scan}).all.found, 1u);
+  EXPECT_EQ(evaluate_uncertainty(std::vector{scan}, {.min_score = 0.95}).all.found, 0u);
+  EXPECT_EQ(evaluate_uncertainty(std::vector{scan}, {.max_distance = 1.9}).all.found, 0u);
+}
+
+TEST(Uncertainty, WhatIsNotDefinedIsEmpty) {
+  const auto none = evaluate_uncertainty({});
+  EXPECT_EQ(none.all.found, 0u);
+  EXPECT_EQ(none.all.mean_iou, 0.0);
+  EXPECT_FALSE(none.all.roc_auc);
+  const auto scan = half_a_length_off();
+  const auto report = evaluate_uncertainty(std::vector{scan});
+  EXPECT_FALSE(report.all.roc_auc);
+  EXPECT_FALSE(report.all.spearman);
+  EXPECT_TRUE(report.all.quantile_boxes.empty());
+  const auto json = nlohmann::json::parse(to_json(report));
+  EXPECT_TRUE(json.at("all").at("roc_auc").is_null());
+  EXPECT_THAT(to_table(report), ::testing::HasSubstr("Car"));
+}
+
+TEST(Uncertainty, TextsHoldTheFigures) {
+  auto scan = half_a_length_off();
+  scan.detections[0].quantile_boxes = {{.q = 0.2, .box = car_at(0, 9).box}};
+  const auto report = evaluate_uncertainty(std::vector{scan});
+  const auto json = nlohmann::json::parse(to_json(report));
+  EXPECT_EQ(json.at("protocol"), "uncertainty");
+  EXPECT_EQ(json.at("classes").at("Car").at("quantile_boxes").at(0).at("q"), 0.2);
+  EXPECT_EQ(json.at("classes").at("Car").at("quantile_boxes").at(0).at("contained"), 1.0);
+  EXPECT_THAT(to_table(report), ::testing::ContainsRegex("quantile q +promised"));
+}
+
+TEST(Uncertainty, BadInputIsRefused) {
+  auto scan = half_a_length_off();
+  scan.detections[0].uncertainty = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(evaluate_uncertainty(std::vector{scan}), InvalidArgument);
+  EXPECT_THROW(evaluate_uncertainty({}, {.min_score = 1.5}), InvalidArgument);
+  EXPECT_THROW(evaluate_uncertainty({}, {.min_iog = -1}), InvalidArgument);
+  EXPECT_THROW(evaluate_uncertainty({}, {.wrong_iou = std::nan("")}), InvalidArgument);
+  std::vector<Detection> without = {car_at(0)};
+  EXPECT_THROW(use_gaussian_uncertainty(without), InvalidArgument);
+}
+
+TEST(Uncertainty, GaussianMeasureIsTheDeviationOfSampledSizes) {
+  std::vector<Detection> detections = {car_at(0)};
+  detections[0].samples = {geometry::make_yaw_box({0, 0, 0}, {3, 1, 1}, 0),
+                           geometry::make_yaw_box({0, 0, 0}, {5, 3, 2}, 0)};
+  use_gaussian_uncertainty(detections);
+  EXPECT_NEAR(*detections[0].uncertainty, (1.0 * 1.0 * 0.5) / (4.0 * 2.0 * 1.5), kTiny);
+}
+
+// Agresti and Coull (1998) and any statistics package: 8 of 10.
+TEST(Uncertainty, ShareIntervalIsWilsons) {
+  EXPECT_NEAR(share_interval(8, 10).low, 0.4901625, 1e-7);
+  EXPECT_NEAR(share_interval(8, 10).high, 0.9433178, 1e-7);
+  EXPECT_NEAR(share_interval(0, 10).high, 0.2775328, 1e-7);
+  EXPECT_NEAR(share_interval(0, 10).low, 0.0, kTiny);
+  EXPECT_DOUBLE_EQ(share_interval(10, 10).high, 1.0);
+  EXPECT_EQ(share_interval(0, 0).high, 1.0);
+}
+
+}  // namespace
+}  // namespace arbox::evaluation

@@ -20,6 +20,7 @@ void add_init(CLI::App& app);
 void add_nms(CLI::App& app);
 void add_overlap(CLI::App& app);
 void add_detect(CLI::App& app);
+void add_pack(CLI::App& app);
 void add_quantile_box(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_plugins(CLI::App& app);

@@ -15,6 +15,7 @@ void add_commands(CLI::App& app) {
   add_init(app);
   add_nms(app);
   add_overlap(app);
+  add_pack(app);
   add_quantile_box(app);
   add_evaluate(app);
   add_plugins(app);

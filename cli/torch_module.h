@@ -56,6 +56,17 @@ struct ImportResult {
   std::vector<std::string> unused;
 };
 
+/// A model written anew.
+struct PackRequest {
+  std::string model, output;
+  /// In place of the model's own card, if not empty.
+  std::string card;
+  /// KEY=VALUE changes to the network's options.
+  std::vector<std::string> overrides;
+  /// Write weights as float16.
+  bool half = false;
+};
+
 /// A run of training/train.h with a configuration of training/pv_rcnn_training.h.
 struct TrainRequest {
   std::filesystem::path folder;
@@ -100,6 +111,8 @@ struct TorchModule {
                                                         const std::vector<std::string>& overrides);
   /// The heads of a model file, the one that answers first.
   std::vector<std::string> (*model_heads)(const std::string& file);
+  /// Keeps calibration and, unless another is given, the card.
+  void (*pack)(const PackRequest& request);
 };
 
 /// Opens the library, once. Throws NotAvailable if this installation lacks it.

@@ -70,6 +70,15 @@ std::vector<std::string> model_heads(const std::string& file) {
   return names;
 }
 
+void pack(const PackRequest& request) {
+  namespace pv_rcnn = detectors::pv_rcnn;
+  pv_rcnn::Model model = pv_rcnn::load_model(request.model, request.overrides);
+  if (!request.card.empty()) model.notes.card = request.card;
+  pv_rcnn::save_model(
+      request.output, *model.network, model.notes,
+      request.half ? detectors::WeightPrecision::kHalf : detectors::WeightPrecision::kFull);
+}
+
 }  // namespace
 }  // namespace arbox::cli
 
@@ -79,7 +88,7 @@ arbox_torch_module() {
   static const cli::TorchModule module = {
       &cli::register_built_ins, &cli::find_options, &cli::fit_bins,
       &cli::import_openpcdet,   &cli::train,        &cli::load_detector,
-      &cli::model_heads};
+      &cli::model_heads,        &cli::pack};
   return &module;
 }
 

@@ -19,7 +19,7 @@ void save_model(const std::filesystem::path& path, const Network& network, const
                            .card = notes.card,
                            .records = records_of(network, precision)};
   if (notes.calibration) archive.calibration = evaluation::to_json(*notes.calibration);
-  io::write_model_archive(path, archive);
+  io::write_model_archive(path, archive, precision == WeightPrecision::kHalf);
 }
 
 Model to_model(const io::ModelArchive& archive, const std::string& source,

@@ -31,7 +31,7 @@ struct Model {
   ModelNotes notes = {};
 };
 
-/// Writes a network with all its heads. Throws IoError.
+/// Writes a network with all its heads; with kHalf the file is compressed, too. Throws IoError.
 void save_model(const std::filesystem::path& path, const Network& network,
                 const ModelNotes& notes = {}, WeightPrecision precision = WeightPrecision::kFull);
 

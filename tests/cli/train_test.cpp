@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -186,6 +187,32 @@ train: {steps: 3, batch_size: 1, seed: 5}
     expect_one_line_error(run_arbox(sure), 1, {"found none of the labelled objects"});
   }
 
+  /// Half the size, a card and another default; what it finds differs by the rounding alone.
+  static void pack(const std::string& model) {
+    const std::string packed = path("packed.arbox");
+    const auto card = folder_->write("card.md", "Trained for three steps.\n");
+    const auto result = run_arbox(
+        {"pack", model, "--half", "--card", card, "--set", "post.nms_iou=0.2", "--output", packed});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_LT(std::filesystem::file_size(packed), 0.6 * std::filesystem::file_size(model));
+    const auto before = arbox::io::read_model_archive(model);
+    const auto after = arbox::io::read_model_archive(packed);
+    EXPECT_EQ(after.card, "Trained for three steps.\n");
+    EXPECT_THAT(after.configuration, HasSubstr("nms_iou: 0.2"));
+    ASSERT_EQ(after.records.size(), before.records.size());
+    for (const auto& [name, record] : after.records) {
+      const auto was = before.records.at(name).values<double>(), is = record.values<double>();
+      ASSERT_EQ(is.size(), was.size()) << name;
+      for (std::size_t i = 0; i < is.size(); ++i) {
+        ASSERT_NEAR(is[i], was[i], 1e-3 * std::abs(was[i]) + 1e-7) << name;
+      }
+    }
+    expect_one_line_error(run_arbox({"pack", "no_such.arbox", "--output", packed}), 1,
+                          {"no_such.arbox"});
+    expect_one_line_error(run_arbox({"pack", model, "--set", "post.nms_iou=2", "--output", packed}),
+                          1, {"nms_iou"});
+  }
+
   /// The whole benchmark, on two scans.
   static void compare(const std::string& model) {
     const auto result =
@@ -264,6 +291,7 @@ TEST_F(TrainCommand, TrainsEndsAndResumes) {
 
   calibrate_and_detect(path("whole") + "/model.arbox");
   compare(path("whole") + "/model.arbox");
+  pack(path("whole") + "/model.arbox");
 
   expect_one_line_error(run_arbox({"train", path("train.yaml"), "--output", path("whole")}), 1,
                         {"holds a training run"});
@@ -323,8 +351,8 @@ TEST_F(TrainCommand, WrongUseIsExplained) {
 }
 
 TEST_F(TrainCommand, ConfigurationsOfTheProjectAreValid) {
-  for (const char* name :
-       {"train_compact_street.yaml", "train_compact_folder.yaml", "train_pv_rcnn_kitti.yaml"}) {
+  for (const char* name : {"train_compact_street.yaml", "train_compact_folder.yaml",
+                           "train_compact_shipped.yaml", "train_pv_rcnn_kitti.yaml"}) {
     const auto result =
         run_arbox({"config", "check", "train/pv_rcnn", std::string(ARBOX_CONFIGS "/") + name});
     EXPECT_EQ(result.exit_code, 0) << result.errors;

@@ -7,7 +7,7 @@
 #include "arbox/cli/commands.h"
 #include "arbox/cli/labelled_scans.h"
 #include "arbox/cli/progress.h"
-#include "arbox/cli/torch_module.h"
+#include "arbox/detectors/open_detector.h"
 #include "arbox/evaluation/center_matching.h"
 #include "arbox/evaluation/confidence_calibration.h"
 #include "arbox/io/kitti_dataset.h"
@@ -83,7 +83,7 @@ std::string default_source(const CalibrateFlags& flags, std::size_t frames) {
 void calibrate(const CalibrateFlags& flags) {
   const std::filesystem::path file = io::find_model(flags.model);
   io::ModelArchive archive = io::read_model_archive(file);
-  const auto detector = torch_module().load_detector(file.string(), {"post.score=0"});
+  const auto detector = detectors::open_model(file.string(), {"post.score=0"});
   const io::KittiDataset dataset = io::KittiDataset::open(flags.data);
   const std::vector<std::string> frames = dataset.frames(flags.split);
   const auto found = found_objects(flags, *detector, dataset, frames);

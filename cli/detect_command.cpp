@@ -12,14 +12,14 @@
 #include "arbox/cli/detector_flags.h"
 #include "arbox/cli/frame_stream.h"
 #include "arbox/cli/progress.h"
-#include "arbox/cli/standard_input.h"
-#include "arbox/io/point_cloud_file.h"
+#include "arbox/cli/scan_inputs.h"
 
 namespace arbox::cli {
 namespace {
 
 struct DetectFlags : DetectorFlags {
   std::vector<std::string> inputs;
+  std::string split;
   bool frames = false;
   OutputOptions output;
 };
@@ -36,26 +36,6 @@ class Failures {
  private:
   std::size_t count_ = 0;
 };
-
-/// The files of the inputs, folders opened.
-std::vector<std::string> list_scans(const std::vector<std::string>& inputs, Failures& failures) {
-  std::vector<std::string> scans;
-  for (const std::string& input : inputs) {
-    if (!std::filesystem::is_directory(input)) {
-      scans.push_back(input);
-      continue;
-    }
-    try {
-      const auto files = io::list_point_clouds(input);
-      if (files.empty()) throw IoError(input + ": holds no point clouds");
-      for (const auto& file : files) scans.push_back(file.string());
-    } catch (const IoError& error) {
-      if (inputs.size() == 1) throw;
-      failures.add(error);
-    }
-  }
-  return scans;
-}
 
 void detect_frames(const DetectFlags& flags) {
   if (!flags.inputs.empty()) {
@@ -77,28 +57,29 @@ void detect(const DetectFlags& flags) {
   if (flags.inputs.empty()) throw UsageError("input: expected at least one file or folder");
   const auto detector = make_detector(flags);
   Failures failures;
-  const std::vector<std::string> scans = list_scans(flags.inputs, failures);
+  const std::vector<ScanInput> scans =
+      list_scans(flags.inputs, flags.split, [&](const Error& error) { failures.add(error); });
   const std::size_t inputs = scans.size() + failures.count();
   const bool several = flags.inputs.size() > 1 || std::filesystem::is_directory(flags.inputs[0]);
   DetectionOutput output(flags.output, scans, several);
   {
     Progress progress("detect", static_cast<std::int64_t>(scans.size()));
-    for (const std::string& scan : scans) {
+    for (const ScanInput& scan : scans) {
       try {
         const auto start = std::chrono::steady_clock::now();
-        const io::PointCloudFile file = read_point_cloud_input(scan, flags.read);
+        const io::PointCloudFile file = read_scan(scan, flags.read);
         const geometry::PointCloudView cloud = file.points.view();
         const auto read = std::chrono::steady_clock::now();
         detectors::DetectionResult result = detector->detect(cloud, flags.request);
         const auto found = std::chrono::steady_clock::now();
-        output.write({.source = scan, .detections = std::move(result.detections)}, cloud);
+        output.write(scan, std::move(result.detections), cloud);
         const auto milliseconds = [](auto time) {
           return std::chrono::duration<double, std::milli>(time).count();
         };
         spdlog::debug(
-            "{}: {} points, {} without finite coordinates; read {:.1f} ms, detect {:.1f} ms", scan,
-            cloud.size(), file.dropped + result.dropped_points, milliseconds(read - start),
-            milliseconds(found - read));
+            "{}: {} points, {} without finite coordinates; read {:.1f} ms, detect {:.1f} ms",
+            scan.source, cloud.size(), file.dropped + result.dropped_points,
+            milliseconds(read - start), milliseconds(found - read));
       } catch (const UsageError&) {
         throw;
       } catch (const Error& error) {
@@ -122,8 +103,14 @@ void add_detect(CLI::App& app) {
   CLI::App* command = app.add_subcommand("detect", "Find the objects in point clouds");
   command
       ->add_option("input", flags->inputs,
-                   "Point-cloud files or folders of them; - reads standard input")
+                   "Point-cloud files, folders of them, or with --split roots of KITTI datasets; - "
+                   "reads standard input")
       ->type_name("INPUT");
+  command
+      ->add_option("--split", flags->split,
+                   "Look at the scans of this split of a KITTI root; --format kitti takes each "
+                   "frame's calibration")
+      ->type_name("NAME");
   add_detector_flags(*command, *flags);
   command
       ->add_option("--output", flags->output.folder,
@@ -145,7 +132,8 @@ void add_detect(CLI::App& app) {
   CLI::Option* frames = command->add_flag(
       "--stdin", flags->frames,
       "Answer frames of points on standard input with a line of JSON each (docs/formats.md)");
-  for (const char* other : {"--output", "--format", "--calib", "--view", "--input-format"}) {
+  for (const char* other :
+       {"--split", "--output", "--format", "--calib", "--view", "--input-format"}) {
     frames->excludes(command->get_option(other));
   }
   command->callback([flags] { detect(*flags); });
@@ -155,6 +143,10 @@ void add_detect(CLI::App& app) {
                  "a trained network in place of the classical baseline"},
                 {"arbox detect 000008.bin --quantile 0.1 0.5 --view boxes.png",
                  "quantile boxes and a picture"},
+                {"arbox detect kitti --split val --format kitti --score 0 --output results",
+                 "result files of a split, which 'arbox evaluate kitti' reads"},
+                {"arbox detect fleet.pcd --model car.arbox --known-sizes models.csv",
+                 "boxes of the sizes that the cars of a fleet have"},
                 {"arbox detect velodyne --format kitti --calib calib --score 0 --output results",
                  "result files that 'arbox evaluate kitti' reads"},
                 {"cat scan.bin | arbox detect - --input-format bin --format csv", "in a pipe"},

@@ -12,6 +12,7 @@
 #include "arbox/drawing/scene.h"
 #include "arbox/io/box_table.h"
 #include "arbox/io/file.h"
+#include "arbox/io/image_size.h"
 #include "arbox/io/kitti.h"
 #include "arbox/io/kitti_calibration.h"
 #include "arbox/io/kitti_label.h"
@@ -24,9 +25,9 @@ constexpr io::ImageSize kUsualImage{1242, 375};
 
 std::string extension_of(const std::string& format) { return format == "kitti" ? "txt" : format; }
 
-void require_different_names(const std::vector<std::string>& scans) {
+void require_different_names(const std::vector<ScanInput>& scans) {
   std::map<std::string, std::string> seen;
-  for (const std::string& scan : scans) {
+  for (const auto& [scan, calibration, image] : scans) {
     const auto [entry, is_new] = seen.emplace(scan_name(scan), scan);
     if (is_new) continue;
     throw UsageError(entry->second + " and " + scan + " would be written to files of one name: " +
@@ -40,7 +41,7 @@ std::string scan_name(const std::string& source) {
   return source == "-" ? "stdin" : std::filesystem::path(source).stem().string();
 }
 
-DetectionOutput::DetectionOutput(OutputOptions options, const std::vector<std::string>& scans,
+DetectionOutput::DetectionOutput(OutputOptions options, const std::vector<ScanInput>& scans,
                                  bool several)
     : options_(std::move(options)), several_(several) {
   const bool one_text = options_.format == "json" || options_.format == "jsonl";
@@ -67,9 +68,11 @@ DetectionOutput::DetectionOutput(OutputOptions options, const std::vector<std::s
   if (several_ && !options_.view.empty()) make(options_.view);
 }
 
-void DetectionOutput::write(const io::ScanDetections& scan, const geometry::PointCloudView& cloud) {
+void DetectionOutput::write(const ScanInput& input, std::vector<geometry::Detection> detections,
+                            const geometry::PointCloudView& cloud) {
+  const io::ScanDetections scan{.source = input.source, .detections = std::move(detections)};
   if (!options_.view.empty()) draw(scan, cloud);
-  const std::string content = text(scan);
+  const std::string content = text(input, scan);
   if (options_.folder.empty()) {
     if (several_ && options_.format == "json") std::cout << (written_ == 0 ? "[\n" : ",\n");
     std::cout << content;
@@ -92,7 +95,7 @@ void DetectionOutput::finish() {
   }
 }
 
-std::string DetectionOutput::text(const io::ScanDetections& scan) const {
+std::string DetectionOutput::text(const ScanInput& input, const io::ScanDetections& scan) const {
   if (options_.format == "json") return io::format_detections_json(scan, several_ ? -1 : 2);
   if (options_.format == "jsonl") return io::format_detections_json(scan) + "\n";
   if (options_.format == "csv") return io::format_box_table(io::to_box_table(scan.detections));
@@ -102,17 +105,19 @@ std::string DetectionOutput::text(const io::ScanDetections& scan) const {
       return io::RgbBytes{color.r, color.g, color.b};
     });
   }
-  return kitti_text(scan);
+  return kitti_text(input, scan);
 }
 
-std::string DetectionOutput::kitti_text(const io::ScanDetections& scan) const {
-  if (options_.calibration.empty()) {
-    return io::format_kitti_results(io::to_kitti_results(scan.detections));
-  }
+std::string DetectionOutput::kitti_text(const ScanInput& input,
+                                        const io::ScanDetections& scan) const {
   std::filesystem::path file = options_.calibration;
+  if (file.empty()) file = input.calibration;
+  if (file.empty()) return io::format_kitti_results(io::to_kitti_results(scan.detections));
   if (std::filesystem::is_directory(file)) file /= scan_name(scan.source) + ".txt";
   const io::KittiCalibration calibration = io::read_kitti_calibration(file);
-  const io::ImageSize image = io::known_image_size(calibration).value_or(kUsualImage);
+  const io::ImageSize image = std::filesystem::exists(input.image)
+                                  ? io::read_png_size(input.image)
+                                  : io::known_image_size(calibration).value_or(kUsualImage);
   return io::format_kitti_results(io::to_kitti_results(scan.detections, calibration, image));
 }
 

@@ -1,20 +1,16 @@
 #include "arbox/cli/detector_flags.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 
-#include "arbox/base/plugin_loader.h"
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/program_registry.h"
-#include "arbox/cli/torch_module.h"
-#include "arbox/detectors/detector_kind.h"
-#include "arbox/io/model_search.h"
+#include "arbox/detectors/open_detector.h"
 
 namespace arbox::cli {
 
 namespace {
 
-std::unique_ptr<detectors::Detector> load_model_detector(const DetectorFlags& flags) {
+std::vector<std::string> model_changes(const DetectorFlags& flags) {
   // --score alone says what is left out, unless --set does.
   std::vector<std::string> changes = {"post.score=0"};
   if (!flags.head.empty()) changes.push_back("post.head=" + flags.head);
@@ -22,11 +18,39 @@ std::unique_ptr<detectors::Detector> load_model_detector(const DetectorFlags& fl
     changes.push_back("post.box=" + (flags.mode == "beam" ? "mode" : flags.mode));
   }
   changes.insert(changes.end(), flags.overrides.begin(), flags.overrides.end());
-  const std::string file = io::find_model(flags.model).string();
+  return changes;
+}
+
+std::unique_ptr<detectors::Detector> open_chosen(const DetectorFlags& flags) {
+  if (!flags.model.empty()) {
+    try {
+      return detectors::open_model(flags.model, model_changes(flags));
+    } catch (const detectors::OverrideError& error) {
+      throw UsageError(error.what());
+    }
+  }
   try {
-    return torch_module().load_detector(file, changes);
-  } catch (const ConfigError& error) {
-    throw UsageError(file + ": " + error.what());
+    return detectors::create_detector(flags.detector, flags.config, flags.overrides,
+                                      program_registry());
+  } catch (const detectors::OverrideError& error) {
+    throw UsageError(std::string("--set: ") + error.what());
+  } catch (const InvalidArgument& error) {
+    throw UsageError(error.what());
+  }
+}
+
+/// Asks before the first scan is read: an empty cloud costs nothing.
+void require_known_sizes(const detectors::Detector& detector, const DetectorFlags& flags) {
+  if (flags.request.known_sizes.empty()) return;
+  try {
+    detector.detect({}, flags.request);
+  } catch (const detectors::UnknownClass& error) {
+    const auto line = flags.known_sizes.lines.find(error.label());
+    throw FormatError(flags.known_sizes_file + ":" +
+                      std::to_string(line == flags.known_sizes.lines.end() ? 0 : line->second) +
+                      ": " + error.what());
+  } catch (const InvalidArgument& error) {
+    throw UsageError(std::string("--known-sizes: ") + error.what());
   }
 }
 
@@ -54,30 +78,9 @@ void add_model_flags(CLI::App& command, DetectorFlags& flags) {
 }  // namespace
 
 std::unique_ptr<detectors::Detector> make_detector(const DetectorFlags& flags) {
-  if (!flags.model.empty()) return load_model_detector(flags);
-  using Kind = detectors::DetectorKind;
-  Registry& registry = program_registry();
-  try {
-    require_plugin(Kind::kName, flags.detector, registry);
-  } catch (const PluginError& error) {
-    const auto found = find_plugins();
-    const std::string file = "libarbox_detector_" + flags.detector + ".so";
-    if (std::any_of(found.begin(), found.end(),
-                    [&](const auto& path) { return path.filename() == file; })) {
-      throw;
-    }
-    throw UsageError(error.what());
-  }
-  const OptionsInstance options = registry.find(Kind::kName, flags.detector).options();
-  if (!flags.config.empty()) {
-    assign_yaml(options.fields, read_options_file(flags.config), flags.config);
-  }
-  try {
-    assign_overrides(options.fields, flags.overrides);
-  } catch (const ConfigError& error) {
-    throw UsageError(std::string("--set: ") + error.what());
-  }
-  return registry.create<Kind>(flags.detector, options);
+  auto detector = open_chosen(flags);
+  require_known_sizes(*detector, flags);
+  return detector;
 }
 
 void add_detector_flags(CLI::App& command, DetectorFlags& flags) {
@@ -117,6 +120,17 @@ void add_detector_flags(CLI::App& command, DetectorFlags& flags) {
       ->check(CLI::Range(0.0, 1.0).description(""));
   command.add_option("--seed", flags.request.seed, "Seed of the box samples (default: 0)")
       ->type_name("N");
+  command
+      .add_option_function<std::string>(
+          "--known-sizes",
+          [&flags](const std::string& file) {
+            flags.known_sizes_file = file;
+            flags.known_sizes = io::read_known_sizes(file);
+            flags.request.known_sizes = flags.known_sizes.sizes;
+          },
+          "Sizes that objects of some classes may have, a table of class, l, w, h, name: each "
+          "object takes the likeliest one and the boxes of that size (docs/formats.md)")
+      ->type_name("FILE");
   command.add_flag("--samples", flags.request.samples, "Write the box samples too");
   command
       .add_option("--channels", flags.read.channels,

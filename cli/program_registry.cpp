@@ -1,23 +1,11 @@
 #include "arbox/cli/program_registry.h"
 
 #include "arbox/cli/torch_module.h"
-#include "arbox/detectors/cluster_fit/cluster_fit.h"
-#include "arbox/detectors/detector_kind.h"
+#include "arbox/detectors/open_detector.h"
 
 namespace arbox::cli {
-namespace {
-
-Registry make_registry() {
-  Registry registry;
-  registry.declare<detectors::DetectorKind>();
-  registry.add_built_in(detectors::register_cluster_fit);
-  return registry;
-}
-
-}  // namespace
-
 Registry& program_registry() {
-  static Registry registry = make_registry();
+  static Registry registry = detectors::make_detector_registry();
   return registry;
 }
 

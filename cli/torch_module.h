@@ -3,13 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "arbox/base/registry.h"
-#include "arbox/detectors/detector.h"
 #include "arbox/geometry/box.h"
 #include "arbox/training/train_report.h"
 
@@ -106,9 +104,6 @@ struct TorchModule {
   FitBinsResult (*fit_bins)(const FitBinsRequest& request);
   ImportResult (*import_openpcdet)(const ImportRequest& request);
   TrainOutcome (*train)(const TrainRequest& request);
-  /// The detector of a model file; `overrides` change its options, each KEY=VALUE.
-  std::unique_ptr<detectors::Detector> (*load_detector)(const std::string& file,
-                                                        const std::vector<std::string>& overrides);
   /// The heads of a model file, the one that answers first.
   std::vector<std::string> (*model_heads)(const std::string& file);
   /// Keeps calibration and, unless another is given, the card.

@@ -58,11 +58,6 @@ ImportResult import_openpcdet(const ImportRequest& request) {
           .unused = report.unused};
 }
 
-std::unique_ptr<detectors::Detector> load_detector(const std::string& file,
-                                                   const std::vector<std::string>& overrides) {
-  return detectors::pv_rcnn::load_pv_rcnn(file, overrides);
-}
-
 std::vector<std::string> model_heads(const std::string& file) {
   std::vector<std::string> names;
   const auto model = detectors::pv_rcnn::load_model(file);
@@ -86,9 +81,8 @@ extern "C" __attribute__((visibility("default"))) const arbox::cli::TorchModule*
 arbox_torch_module() {
   using namespace arbox;
   static const cli::TorchModule module = {
-      &cli::register_built_ins, &cli::find_options, &cli::fit_bins,
-      &cli::import_openpcdet,   &cli::train,        &cli::load_detector,
-      &cli::model_heads,        &cli::pack};
+      &cli::register_built_ins, &cli::find_options, &cli::fit_bins, &cli::import_openpcdet,
+      &cli::train,              &cli::model_heads,  &cli::pack};
   return &module;
 }
 
@@ -96,5 +90,5 @@ arbox_torch_module() {
 extern "C" __attribute__((visibility("default"))) void arbox_load_detector(
     const std::string& file, const std::vector<std::string>& overrides,
     std::unique_ptr<arbox::detectors::Detector>& result) {
-  result = arbox::cli::load_detector(file, overrides);
+  result = arbox::detectors::pv_rcnn::load_pv_rcnn(file, overrides);
 }

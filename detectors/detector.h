@@ -2,9 +2,12 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "arbox/base/error.h"
 #include "arbox/geometry/detection.h"
+#include "arbox/geometry/known_size.h"
 #include "arbox/geometry/point_cloud_view.h"
 
 namespace arbox::detectors {
@@ -25,6 +28,23 @@ struct DetectionRequest {
   std::uint64_t seed = 0;
   /// Threads of all that the request takes; 0 means default_threads().
   int threads = 0;
+  /// The sizes that objects of some classes may have. Each detection of such a class takes the most
+  /// likely one, which Detection::known_size tells; its box, quantile boxes, samples and
+  /// uncertainty are those of objects of that size. Where none of the sizes is possible to the
+  /// detector the detection stays as it is without them. Throws UnknownClass, and InvalidArgument
+  /// for detectors that do not know how likely a size is.
+  geometry::KnownSizes known_sizes = {};
+};
+
+/// A request about a class that the detector does not know.
+class UnknownClass : public InvalidArgument {
+ public:
+  UnknownClass(const std::string& message, std::string label)
+      : InvalidArgument(message), label_(std::move(label)) {}
+  const std::string& label() const { return label_; }
+
+ private:
+  std::string label_;
 };
 
 struct DetectionResult {

@@ -50,10 +50,29 @@ std::string unknown_detector(const std::string& name, Registry& registry) {
   }
 }
 
-std::unique_ptr<Detector> open_model(const fs::path& file,
-                                     const std::vector<std::string>& overrides) {
+std::unique_ptr<Detector> create_known(const std::string& name, const fs::path& configuration,
+                                       const std::vector<std::string>& overrides,
+                                       Registry& registry) {
+  const OptionsInstance options = registry.find(DetectorKind::kName, name).options();
+  if (!configuration.empty()) {
+    assign_yaml(options.fields, read_options_file(configuration), configuration.string());
+  }
+  try {
+    assign_overrides(options.fields, overrides);
+  } catch (const ConfigError& error) {
+    throw OverrideError(error.what());
+  }
+  return registry.create<DetectorKind>(name, options);
+}
+
+std::unique_ptr<Detector> open_model_file(const fs::path& file,
+                                          const std::vector<std::string>& overrides) {
   std::unique_ptr<Detector> detector;
-  model_loader()(file.string(), overrides, detector);
+  try {
+    model_loader()(file.string(), overrides, detector);
+  } catch (const ConfigError& error) {
+    throw OverrideError(file.string() + ": " + error.what());
+  }
   return detector;
 }
 
@@ -66,23 +85,32 @@ Registry make_detector_registry() {
   return registry;
 }
 
+std::unique_ptr<Detector> create_detector(const std::string& name, const fs::path& configuration,
+                                          const std::vector<std::string>& overrides,
+                                          Registry& registry) {
+  const std::string unknown = unknown_detector(name, registry);
+  if (!unknown.empty()) throw InvalidArgument(unknown);
+  return create_known(name, configuration, overrides, registry);
+}
+
+std::unique_ptr<Detector> open_model(const std::string& name,
+                                     const std::vector<std::string>& overrides) {
+  return open_model_file(io::find_model(name), overrides);
+}
+
 std::unique_ptr<Detector> open_detector(const std::string& name,
                                         const std::vector<std::string>& overrides,
                                         Registry& registry) {
-  if (is_model_file(name)) return open_model(io::find_model(name), overrides);
+  if (is_model_file(name)) return open_model(name, overrides);
   const std::string unknown = unknown_detector(name, registry);
-  if (unknown.empty()) {
-    const OptionsInstance options = registry.find(DetectorKind::kName, name).options();
-    assign_overrides(options.fields, overrides);
-    return registry.create<DetectorKind>(name, options);
-  }
+  if (unknown.empty()) return create_known(name, {}, overrides, registry);
   fs::path file;
   try {
     file = io::find_model(name);
   } catch (const IoError& error) {
     throw InvalidArgument(unknown + "; " + error.what());
   }
-  return open_model(file, overrides);
+  return open_model_file(file, overrides);
 }
 
 std::unique_ptr<Detector> open_detector(const std::string& name,

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "arbox/base/error.h"
 #include "arbox/base/registry.h"
 #include "arbox/detectors/detector.h"
 
@@ -16,15 +18,35 @@ namespace arbox::detectors {
 /// A registry that knows the kind `detector` and the built-in `cluster_fit`.
 Registry make_detector_registry();
 
+/// Changes to options, each KEY=VALUE, that do not fit them.
+class OverrideError : public ConfigError {
+ public:
+  using ConfigError::ConfigError;
+};
+
+/// A detector of the registry, or of a plugin (base/plugin_loader.h), which is brought into it.
+/// `configuration` is a YAML file of its options, empty for none; `overrides` come after it. Throws
+/// InvalidArgument that lists detectors for an unknown name, PluginError, IoError and ConfigError
+/// for the file, OverrideError.
+std::unique_ptr<Detector> create_detector(const std::string& name,
+                                          const std::filesystem::path& configuration,
+                                          const std::vector<std::string>& overrides,
+                                          Registry& registry);
+
+/// The detector of a model, a file or a name (io/model_search.h). `overrides` are changes to its
+/// options. Throws IoError for one that is not there, OverrideError, FormatError for broken models,
+/// NotAvailable if this installation has no networks.
+std::unique_ptr<Detector> open_model(const std::string& name,
+                                     const std::vector<std::string>& overrides = {});
+
 /// Opens what `name` names: the first of
 ///
 /// - a model file, if it has a '/' or ends in ".arbox";
 /// - a detector of the registry, or of a plugin (base/plugin_loader.h);
 /// - a model NAME.arbox in io::model_folders().
 ///
-/// `overrides` are changes to its options, each KEY=VALUE. Throws IoError for a missing model file,
-/// InvalidArgument that lists detectors and models for an unknown name, ConfigError for overrides,
-/// FormatError for broken models, NotAvailable if this installation has no networks.
+/// Throws as create_detector and open_model; InvalidArgument that lists detectors and models for a
+/// name that nobody knows.
 std::unique_ptr<Detector> open_detector(const std::string& name,
                                         const std::vector<std::string>& overrides = {});
 std::unique_ptr<Detector> open_detector(const std::string& name,

@@ -96,6 +96,10 @@ Json points_json(const ScenePoints& points, std::size_t most) {
           {"data", base64(bytes)}};
 }
 
+std::string size_text(const Eigen::Vector3d& size) {
+  return shown(size.x()) + " \xC3\x97 " + shown(size.y()) + " \xC3\x97 " + shown(size.z()) + " m";
+}
+
 /// What stands under the pointer: rows of name and value.
 Json details_of(const Detection& detection, bool truth) {
   const Box& box = detection.box;
@@ -106,12 +110,14 @@ Json details_of(const Detection& detection, bool truth) {
   if (!truth) row("score", shown(detection.score));
   row("centre",
       shown(box.center.x()) + ", " + shown(box.center.y()) + ", " + shown(box.center.z()) + " m");
-  row("size", shown(box.size.x()) + " \xC3\x97 " + shown(box.size.y()) + " \xC3\x97 " +
-                  shown(box.size.z()) + " m");
+  row("size", size_text(box.size));
   row("yaw", shown(geometry::yaw(box)) + " rad");
   if (detection.uncertainty) row("uncertainty", shown(*detection.uncertainty));
   if (detection.log_density) row("log density", shown(*detection.log_density));
-  if (detection.known_size) row("known size", *detection.known_size);
+  if (detection.known_size) {
+    const auto& [name, size] = *detection.known_size;
+    row("known size", (name.empty() ? "" : name + ", ") + size_text(size));
+  }
   if (!detection.samples.empty()) row("samples", std::to_string(detection.samples.size()));
   return rows;
 }

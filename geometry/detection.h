@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "arbox/geometry/box.h"
+#include "arbox/geometry/known_size.h"
 #include "arbox/geometry/quantile_box.h"
 
 namespace arbox::geometry {
@@ -24,8 +25,8 @@ struct Detection {
   std::optional<double> log_density;
   /// U(a, b) = 1 - IoU of two quantile boxes (paper, section 4.3), in [0, 1].
   std::optional<double> uncertainty;
-  /// Name of the known size that dimension conditioning chose.
-  std::optional<std::string> known_size;
+  /// The known size that dimension conditioning chose.
+  std::optional<KnownSize> known_size;
   /// Draws from the head's distribution, kept when asked for.
   std::vector<Box> samples;
 };

@@ -37,29 +37,30 @@ std::array<double, 3> sorted(const Eigen::Vector3d& extents) {
   return sides;
 }
 
-int count_orders(const Eigen::Vector3d& extents) {
-  auto sides = sorted(extents);
-  int count = 1;
-  while (std::next_permutation(sides.begin(), sides.end())) ++count;
-  return count;
-}
-
-/// Calls visit with (objects, 3) sizes for every distinct order of the extents.
-template <class Visit>
-void for_orders(const Eigen::Vector3d& extents, std::int64_t objects, const Visit& visit) {
+/// Every distinct order of the extents.
+std::vector<Eigen::Vector3d> orders_of(const Eigen::Vector3d& extents) {
+  std::vector<Eigen::Vector3d> orders;
   auto sides = sorted(extents);
   do {
-    visit(at::tensor({sides[0], sides[1], sides[2]}, at::kDouble).expand({objects, 3}));
+    orders.emplace_back(sides[0], sides[1], sides[2]);
   } while (std::next_permutation(sides.begin(), sides.end()));
+  return orders;
 }
 
-/// The boxes of all orders of one known size, object by object.
+/// (objects, 3): the same size for all.
+Tensor size_rows(const Eigen::Vector3d& size, std::int64_t objects) {
+  return at::tensor({size.x(), size.y(), size.z()}, at::kDouble).expand({objects, 3});
+}
+
+/// The boxes of the orders of one known size, object by object.
 std::vector<std::vector<internal::WeighedBox>> beams_of(const BoxDistribution& distribution,
                                                         const KnownSize& known,
                                                         const ConditioningOptions& options) {
   std::vector<std::vector<internal::WeighedBox>> beams(distribution.size());
-  const double each_order = -std::log(count_orders(known.extents));
-  for_orders(known.extents, distribution.size(), [&](const Tensor& sizes) {
+  const auto orders = options.orders == "any" ? orders_of(known.size) : std::vector{known.size};
+  const double each_order = -std::log(static_cast<double>(orders.size()));
+  for (const Eigen::Vector3d& order : orders) {
+    const Tensor sizes = size_rows(order, distribution.size());
     const Draws mode = distribution.given_sizes(sizes)->mode(options.beam_width);
     const Tensor score = mode.log_density.to(at::kDouble) +
                          (options.score == "joint"
@@ -73,7 +74,7 @@ std::vector<std::vector<internal::WeighedBox>> beams_of(const BoxDistribution& d
         if (one > -kInfinity) beams[object].push_back({found.boxes[i], one});
       }
     }
-  });
+  }
   return beams;
 }
 
@@ -96,7 +97,7 @@ std::vector<ConditionedBox> given_known_sizes(const BoxDistribution& distributio
   validate_options(options, "conditioning");
   if (known.empty()) throw InvalidArgument("given_known_sizes: expected at least one known size");
   for (const KnownSize& one : known) {
-    require_extents(one.extents, "given_known_sizes", "'" + one.name + "'");
+    require_extents(one.size, "given_known_sizes", "'" + one.name + "'");
   }
   std::vector<ConditionedBox> result(distribution.size());
   for (const KnownSize& one : known) {
@@ -118,17 +119,32 @@ std::vector<ConditionedBox> given_known_sizes(const BoxDistribution& distributio
   return result;
 }
 
+std::string why_not_conditioned(const BoxDistribution& distribution) {
+  if (distribution.measure() == Measure::kNone) {
+    return "this head predicts one box and does not know how likely a size is";
+  }
+  try {
+    const Tensor sizes = size_rows(Eigen::Vector3d::Ones(), distribution.size());
+    distribution.given_sizes(sizes);
+    distribution.log_size_density(sizes);
+  } catch (const NotAvailable& error) {
+    return error.what();
+  }
+  return {};
+}
+
 std::vector<double> log_density_of_size(const BoxDistribution& distribution,
                                         const Eigen::Vector3d& extents) {
   require_extents(extents, "log_density_of_size", "a size");
   std::vector<double> result(distribution.size(), -kInfinity);
-  for_orders(extents, distribution.size(), [&](const Tensor& sizes) {
-    const Tensor density = distribution.log_size_density(sizes).to(at::kDouble);
+  for (const Eigen::Vector3d& order : orders_of(extents)) {
+    const Tensor density =
+        distribution.log_size_density(size_rows(order, distribution.size())).to(at::kDouble);
     for (std::size_t i = 0; i < result.size(); ++i) {
       result[i] =
           internal::log_sum(result[i], density[static_cast<std::int64_t>(i)].item<double>());
     }
-  });
+  }
   return result;
 }
 

@@ -7,6 +7,7 @@
 
 #include "arbox/base/option_field.h"
 #include "arbox/geometry/box.h"
+#include "arbox/geometry/known_size.h"
 #include "arbox/heads/box_distribution.h"
 
 /// \file
@@ -15,11 +16,7 @@
 
 namespace arbox::heads {
 
-/// A size that an object may have (a stock-keeping unit): its extents in any order.
-struct KnownSize {
-  std::string name;
-  Eigen::Vector3d extents = Eigen::Vector3d::Ones();  ///< Metres, above zero.
-};
+using geometry::KnownSize;
 
 struct ConditioningOptions {
   /// Beams of each search: one search for every known size and distinct order of its extents.
@@ -28,6 +25,9 @@ struct ConditioningOptions {
   /// the extents, or "joint", p(size | h) p(rest | size, h), summed over them, which also asks how
   /// likely the size is.
   std::string score = "given_size";
+  /// "any": the numbers of a known size are its extents in any order; "given": length, width and
+  /// height.
+  std::string orders = "any";
   /// Beams are the same physical box if every corner of one is this close to a corner of the other,
   /// as a part of the diagonal. The default is about half a bin of 512 for rotations.
   double same_box = 0.005;
@@ -39,6 +39,9 @@ struct ConditioningOptions {
     visitor.field(
         "score", &ConditioningOptions::score,
         {.help = "Density that known sizes are compared by", .choices = {"given_size", "joint"}});
+    visitor.field(
+        "orders", &ConditioningOptions::orders,
+        {.help = "Orders of a known size's extents that are tried", .choices = {"any", "given"}});
     visitor.field("same_box", &ConditioningOptions::same_box,
                   {.help = "Distance of corners up to which beams are the same box",
                    .unit = "diagonals",
@@ -73,10 +76,13 @@ struct ConditionedBox {
 /// No objects: no results. Errors: InvalidArgument for no known sizes or extents that are not
 /// finite and above zero, ConfigError for bad options, NotAvailable if the head cannot be
 /// conditioned, for instance because its codec does not predict the size first.
-/// Cost: a beam search for each size and order (6 where the extents differ).
+/// Cost: a beam search for each size and order (6 where the extents differ and may have any).
 std::vector<ConditionedBox> given_known_sizes(const BoxDistribution& distribution,
                                               std::span<const KnownSize> known,
                                               const ConditioningOptions& options = {});
+
+/// Why a distribution does not tell how likely sizes are and the boxes of each; empty if it does.
+std::string why_not_conditioned(const BoxDistribution& distribution);
 
 /// (N): log of the sum over the distinct orders of `extents` of the density of that size, for each
 /// object.

@@ -32,6 +32,12 @@ Eigen::Vector3d read_vector(const JsonCursor& value) {
   return {elements[0].number(), elements[1].number(), elements[2].number()};
 }
 
+Eigen::Vector3d read_size(const JsonCursor& value) {
+  const Eigen::Vector3d size = read_vector(value);
+  if ((size.array() <= 0.0).any()) value.refuse("three sizes above zero");
+  return size;
+}
+
 geometry::Quaternion read_rotation(const JsonCursor& value) {
   const auto e = value.elements();
   if (e.size() != 4) value.refuse("four numbers [w, x, y, z]");
@@ -55,8 +61,7 @@ Json internal::box_json(const Box& box) {
 
 Box internal::read_box(const JsonCursor& value) {
   value.require_object({"center", "size", "rotation", "yaw"});
-  Box box{.center = read_vector(value.at("center")), .size = read_vector(value.at("size"))};
-  if ((box.size.array() <= 0.0).any()) value.at("size").refuse("three sizes above zero");
+  Box box{.center = read_vector(value.at("center")), .size = read_size(value.at("size"))};
   if (!value.has("rotation")) {
     return geometry::make_yaw_box(box.center, box.size, value.at("yaw").number());
   }
@@ -89,7 +94,13 @@ Json detection_to_json(const Detection& detection) {
     result["confidence_boxes"].push_back({{"p", finite(p, "p")}, {"box", box_json(box)}});
   }
   if (detection.uncertainty) result["uncertainty"] = finite(*detection.uncertainty, "uncertainty");
-  if (detection.known_size) result["known_size"] = *detection.known_size;
+  if (detection.known_size) {
+    for (const double extent : detection.known_size->size) finite(extent, "known_size");
+    result["known_size"] = numbers(detection.known_size->size);
+    if (!detection.known_size->name.empty()) {
+      result["known_size_name"] = detection.known_size->name;
+    }
+  }
   for (const Box& sample : detection.samples) result["samples"].push_back(box_json(sample));
   return result;
 }
@@ -102,7 +113,11 @@ Detection read_detection(const JsonCursor& value) {
   result.box = read_box(value.at("box"));
   if (value.has("log_density")) result.log_density = value.at("log_density").number();
   if (value.has("uncertainty")) result.uncertainty = value.at("uncertainty").number();
-  if (value.has("known_size")) result.known_size = value.at("known_size").text();
+  if (value.has("known_size")) {
+    result.known_size = {
+        .name = value.has("known_size_name") ? value.at("known_size_name").text() : "",
+        .size = read_size(value.at("known_size"))};
+  }
   if (value.has("quantile_boxes")) {
     for (const auto& item : value.at("quantile_boxes").elements()) {
       item.require_object({"q", "box", "fallback"});

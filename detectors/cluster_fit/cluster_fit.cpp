@@ -94,6 +94,11 @@ DetectionResult ClusterFit::detect(const geometry::PointCloudView& cloud,
     throw InvalidArgument("ClusterFit: the score must be from 0 to 1, got " +
                           std::to_string(request.score));
   }
+  if (!request.known_sizes.empty()) {
+    throw InvalidArgument(
+        "ClusterFit: expected no known sizes, since it does not know how likely a size is; models "
+        "whose head is autoregressive, gaussian or discrete do");
+  }
   for (const double q : request.quantiles) require_within(q, 0.0, 1.0, "a quantile");
   for (const double p : request.confidences) require_within(p, 0.0, 1.0, "a confidence");
   DetectionResult result;

@@ -121,6 +121,9 @@ struct PostOptions {
   std::string box = "mode";
   int beam_width = 16;
   double quantile = 0.2;
+  /// What DetectionRequest::known_sizes are compared by: `joint`, how likely the size is and the
+  /// box of it, or `given_size`, the box alone (ConditioningOptions::score).
+  std::string known_sizes = "joint";
   /// Draws for quantile boxes and uncertainty.
   int samples = 64;
 
@@ -151,6 +154,9 @@ struct PostOptions {
                   {.help = "Beams of the search for the mode", .low = 1, .high = 4096});
     visitor.field("quantile", &Self::quantile,
                   {.help = "q of the box where box is quantile", .low = 0.001, .high = 0.999});
+    visitor.field("known_sizes", &Self::known_sizes,
+                  {.help = "Density that known sizes are compared by",
+                   .choices = {"joint", "given_size"}});
     visitor.field("samples", &Self::samples,
                   {.help = "Draws for quantile boxes and uncertainty", .low = 1, .high = 100000});
   }

@@ -2,13 +2,16 @@
 
 #include <ATen/Parallel.h>
 #include <ATen/core/grad_mode.h>
+#include <ATen/ops/zeros.h>
 
 #include <algorithm>
 #include <sstream>
 
 #include "arbox/base/error.h"
+#include "arbox/base/names.h"
 #include "arbox/base/parallel.h"
 #include "arbox/detectors/pv_rcnn/internal/post_processing.h"
+#include "arbox/heads/conditioning.h"
 
 namespace arbox::detectors::pv_rcnn {
 namespace {
@@ -39,6 +42,58 @@ void require_request(const DetectionRequest& request) {
   if (!(request.score >= 0 && request.score <= 1)) {
     throw InvalidArgument("PvRcnn: the least score must be from 0 to 1, got " +
                           std::to_string(request.score));
+  }
+}
+
+void require_sizes(const std::string& label, const std::vector<geometry::KnownSize>& sizes) {
+  if (sizes.empty()) {
+    throw InvalidArgument("PvRcnn: known sizes of class '" + label +
+                          "': expected at least one, got none");
+  }
+  for (const auto& [name, size] : sizes) {
+    if (size.allFinite() && (size.array() > 0).all()) continue;
+    std::ostringstream text;
+    text << "PvRcnn: known sizes of class '" << label
+         << "': expected finite extents above zero, got " << size.transpose();
+    throw InvalidArgument(text.str());
+  }
+}
+
+/// Why a head of the network does not know how likely sizes are; empty if it does.
+std::string why_not_conditioned(const Network& network, heads::BoxHead& head) {
+  const at::Tensor none = at::zeros({0});
+  const SecondStage nothing{at::zeros({0, network.options().regions.shared.back()}), none,
+                            at::zeros({0, kBoxNumbers})};
+  const auto input = network.head_input(nothing, at::zeros({0, kBoxNumbers}));
+  return heads::why_not_conditioned(*head.forward(input));
+}
+
+void require_known_sizes(const geometry::KnownSizes& known, const Network& network,
+                         std::span<heads::BoxHead* const> heads) {
+  const std::vector<std::string>& classes = network.options().classes;
+  for (const auto& [label, sizes] : known) {
+    if (std::find(classes.begin(), classes.end(), label) == classes.end()) {
+      throw UnknownClass("PvRcnn: known sizes of " + unknown_name_text("class", label, classes),
+                         label);
+    }
+    require_sizes(label, sizes);
+  }
+  if (known.empty()) return;
+  if (network.options().post.box == "pointwise") {
+    throw InvalidArgument(
+        "PvRcnn: known sizes do not change pointwise boxes; ask for the mode, mean or quantile");
+  }
+  for (heads::BoxHead* const head : heads) {
+    const std::string why = why_not_conditioned(network, *head);
+    if (why.empty()) continue;
+    std::vector<std::string> able;
+    for (const auto& [name, other] : network.heads()) {
+      if (why_not_conditioned(network, *other).empty()) able.push_back(name);
+    }
+    throw InvalidArgument("PvRcnn: known sizes cannot be used: " + why + "; " +
+                          (able.empty() ? "none of this model's heads does; an autoregressive head "
+                                          "that predicts the size first, gaussian or discrete would"
+                                        : "of this model's heads these can: " + join(able, ", ")));
   }
 }
 
@@ -85,6 +140,7 @@ std::vector<DetectionResult> PvRcnn::detect_with(std::span<heads::BoxHead* const
   const at::NoGradGuard no_gradient;
   at::get_num_threads();  // LibTorch chooses its threads when first asked, which would undo ours.
   const ThreadScope threads(request.threads);
+  require_known_sizes(request.known_sizes, *network_, heads);
   const PointBatch batch = make_batch({&cloud, 1}, options(), false, 0);
   std::vector<DetectionResult> results(heads.size());
   for (DetectionResult& result : results) result.dropped_points = batch.dropped_points;

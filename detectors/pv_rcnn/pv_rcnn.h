@@ -18,6 +18,11 @@ namespace arbox::detectors::pv_rcnn {
 /// (from PostOptions::samples draws) and quantile boxes as asked for. Heads without one (pointwise)
 /// give their one box for every quantile, and no uncertainty. Confidence boxes need a calibration.
 ///
+/// Known sizes (DetectionRequest::known_sizes) need a head that tells how likely a size is
+/// (autoregressive with the size first, gaussian, discrete). They are length, width and height, and
+/// are compared by PostOptions::known_sizes. Confidence boxes stay those of unknown size, which the
+/// calibration is of; the log density is the head's, of the size and the rest.
+///
 /// Input, and what becomes of it:
 /// - no points, or none in range: no detections;
 /// - points that are not finite: left out and counted;
@@ -35,8 +40,9 @@ class PvRcnn : public Detector {
   explicit PvRcnn(std::shared_ptr<Network> network,
                   std::optional<evaluation::ConfidenceCalibration> calibration = {});
 
-  /// Throws InvalidArgument for a request out of range, and for confidences without a calibration
-  /// or of another head than the first, which is the one that is calibrated.
+  /// Throws InvalidArgument for a request out of range, for confidences without a calibration or of
+  /// another head than the first, which is the one that is calibrated, and for known sizes of an
+  /// unknown class, of a head that cannot use them or with pointwise boxes.
   DetectionResult detect(const geometry::PointCloudView& cloud,
                          const DetectionRequest& request = {}) const override;
   /// What each of Network::heads() makes of the same proposals, in their order.

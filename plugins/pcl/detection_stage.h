@@ -70,6 +70,8 @@ class DetectionStage {
   /// Ask for boxes that hold the object with probability p in (0, 1).
   void setConfidence(double p) { request_.confidences = {p}; }
   void setConfidences(const std::vector<double>& ps) { request_.confidences = ps; }
+  /// The sizes that objects of some classes may have (DetectionRequest::known_sizes).
+  void setKnownSizes(const geometry::KnownSizes& sizes) { request_.known_sizes = sizes; }
   /// Leave out detections with a lower score (default 0.3).
   void setScoreThreshold(double score) { request_.score = score; }
   /// Keep the draws from each object's distribution (default no).

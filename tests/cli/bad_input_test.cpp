@@ -61,7 +61,7 @@ class BadInput : public ::testing::Test {
   TemporaryDirectory folder_;
 };
 
-const std::vector<Words> kCloudCommands = {{"detect", "FILE"},
+const std::vector<Words> kCloudCommands = {{"detect", "FILE", "--detector", "cluster_fit"},
                                            {"info", "FILE"},
                                            {"convert", "FILE", "@out.pcd"},
                                            {"view", "--cloud", "FILE", "--output", "@out.png"}};
@@ -148,7 +148,7 @@ TEST_F(BadInput, Configurations) {
   expect_all_refused(
       {{"config", "check", "nms", "FILE"},
        {"config", "show", "nms", "--file", "FILE"},
-       {"detect", "@cloud.csv", "--config", "FILE"}},
+       {"detect", "@cloud.csv", "--detector", "cluster_fit", "--config", "FILE"}},
       ".yaml",
       {{"prose", "This is: no: YAML\n"}, {"unknown", "threshhold: 0.5\n"}, {"list", "- 1\n- 2\n"}});
 }
@@ -166,14 +166,16 @@ TEST_F(BadInput, OutputsThatCannotBeWritten) {
   for (const std::string place : {"nowhere/a", "taken"}) {
     expect_refused({"convert", "@cloud.csv", "FILE"}, place + ".pcd");
     expect_refused({"view", "--cloud", "@cloud.csv", "--output", "FILE"}, place + ".png");
-    expect_refused({"detect", "@cloud.csv", "--view", "FILE"}, place + ".png");
+    expect_refused({"detect", "@cloud.csv", "--detector", "cluster_fit", "--view", "FILE"},
+                   place + ".png");
     expect_refused(with(kitti, "--plot"), place + ".png");
     expect_refused(with(kitti, "--json"), place + ".json");
     const Words quantile = {"quantile-box", "--samples", "@boxes.csv", "--quantile", "0.1"};
     expect_refused(with(quantile, "--json"), place + ".json");
     expect_refused(with(quantile, "--csv"), place + ".json");
   }
-  expect_refused({"detect", "@cloud.csv", "--output", "FILE"}, "boxes.csv");
+  expect_refused({"detect", "@cloud.csv", "--detector", "cluster_fit", "--output", "FILE"},
+                 "boxes.csv");
 }
 
 TEST_F(BadInput, NoFileIsAPlugin) {

@@ -41,7 +41,7 @@ Lines lines_of(const std::string& text) {
 }
 
 RunResult answer(const std::string& frames, std::vector<std::string> more = {}) {
-  std::vector<std::string> arguments = {"detect", "--stdin"};
+  std::vector<std::string> arguments = {"detect", "--stdin", "--detector", "cluster_fit"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return run_arbox(arguments, {.input = frames});
 }
@@ -54,8 +54,9 @@ TEST(DetectStdin, AnswersEachFrameAsTheFileWouldBe) {
   EXPECT_EQ(result.errors, "");
   const Lines lines = lines_of(result.output);
   ASSERT_EQ(lines.size(), 3u);
-  const auto file = nlohmann::json::parse(
-      run_arbox({"detect", kStreet, "--quantile", "0.3", "--score", "0.5"}).output);
+  const auto file = nlohmann::json::parse(run_arbox({"detect", kStreet, "--detector", "cluster_fit",
+                                                     "--quantile", "0.3", "--score", "0.5"})
+                                              .output);
   EXPECT_EQ(lines[0]["source"], "frame 0");
   EXPECT_EQ(lines[0]["detections"], file["detections"]);
   EXPECT_FALSE(file["detections"].empty());

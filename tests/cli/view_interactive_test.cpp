@@ -137,7 +137,7 @@ TEST(ViewInteractive, StepsThroughQuantilesAndClosesUnderXvfb) {
   const Xvfb screen;
   if (screen.name().empty()) GTEST_SKIP() << "needs the package xvfb";
   const TemporaryDirectory folder;
-  const RunResult found = run_arbox({"detect", kStreet, "--samples"});
+  const RunResult found = run_arbox({"detect", kStreet, "--detector", "cluster_fit", "--samples"});
   ASSERT_EQ(found.exit_code, 0) << found.errors;
   const std::string boxes = folder.write("boxes.json", found.output);
   auto viewer = std::async(std::launch::async, [&] {

@@ -112,7 +112,8 @@ class Browser : public ::testing::Test {
       if (std::filesystem::exists(place)) program_ = place;
     }
     if (program_.empty()) GTEST_SKIP() << "needs the package chromium";
-    const RunResult found = run_arbox({"detect", kStreet, "--samples", "--confidence", "0.9"});
+    const RunResult found = run_arbox(
+        {"detect", kStreet, "--detector", "cluster_fit", "--samples", "--confidence", "0.9"});
     ASSERT_EQ(found.exit_code, 0) << found.errors;
     const auto boxes = folder_.write("boxes.json", found.output);
     const RunResult shown = run_arbox({"view", "--cloud", kStreet, "--boxes", boxes, "--html",

@@ -46,8 +46,13 @@ class Watch {
  public:
   Watch(const TemporaryDirectory& folder, std::vector<std::string> more = {})
       : log_(folder / "out/watch.log") {
-    std::vector<std::string> words = {std::getenv("ARBOX_PROGRAM"), "watch", folder / "in",
-                                      "--output", folder / "out"};
+    std::vector<std::string> words = {std::getenv("ARBOX_PROGRAM"),
+                                      "watch",
+                                      folder / "in",
+                                      "--output",
+                                      folder / "out",
+                                      "--detector",
+                                      "cluster_fit"};
     words.insert(words.end(), more.begin(), more.end());
     const std::size_t before = starts();
     process_ = ::fork();

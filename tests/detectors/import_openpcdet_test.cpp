@@ -194,8 +194,9 @@ TEST(Import, TheProgramDetectsWithTheModel) {
   refused({"small", "--mode", "best"}, 2, "--mode");
   refused({"small", "--set", "post.boks=mean"}, 2, "nearest is 'post.box'");
   refused({made("entries.txt").string() + ".arbox"}, 1, "no such file");
-  testing::expect_one_line_error(testing::run_arbox({"detect", cloud, "--mode", "mean"}), 2,
-                                 {"--model"});
+  testing::expect_one_line_error(
+      testing::run_arbox({"detect", cloud, "--detector", "cluster_fit", "--mode", "mean"}), 2,
+      {"--model"});
 }
 
 TEST(Import, TellsWhatItDoesNotUse) {

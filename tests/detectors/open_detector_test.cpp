@@ -32,5 +32,24 @@ TEST(OpenDetector, NamesWhatThereIs) {
   EXPECT_THAT(refusal<IoError>([] { open_detector("some/where"); }), HasSubstr("some/where"));
 }
 
+TEST(OpenDetector, TellsWhichOptionsDoNotFit) {
+  Registry registry = detectors::make_detector_registry();
+  const TemporaryDirectory folder;
+  const auto file = folder.write("options.yaml", "max_range: 20\n");
+  EXPECT_NE(detectors::create_detector("cluster_fit", file, {"min_points=12"}, registry), nullptr);
+  EXPECT_THAT(refusal<detectors::OverrideError>([&] {
+                detectors::create_detector("cluster_fit", file, {"max_rage=20"}, registry);
+              }),
+              HasSubstr("nearest is 'max_range'"));
+  const auto broken = folder.write("broken.yaml", "max_rage: 20\n");
+  EXPECT_THAT(refusal<ConfigError>(
+                  [&] { detectors::create_detector("cluster_fit", broken, {}, registry); }),
+              HasSubstr("broken.yaml:1"));
+  EXPECT_THROW(detectors::create_detector("cluster_fit", folder / "none.yaml", {}, registry),
+               IoError);
+  EXPECT_THAT(refusal([&] { detectors::create_detector("cluster_fat", {}, {}, registry); }),
+              HasSubstr("nearest is 'cluster_fit'"));
+}
+
 }  // namespace
 }  // namespace arbox::testing

@@ -66,12 +66,18 @@ void make_tables(const fs::path& root) {
   write(root, "box_table", "class.csv", "1 2 3 4 5 6 0 0.25 Car\n");
 }
 
+void make_known_sizes(const fs::path& root) {
+  write(root, "known_sizes", "named.csv", "class,l,w,h,name\nCar,4.28,1.79,1.49,Golf\n");
+  write(root, "known_sizes", "plain.txt", "Car 4 2 1.5\r\n\r\nTruck 7 2.5 3\r\n");
+  write(root, "known_sizes", "turned.csv", "# name;h;w;l;class\n\"a; b\";.5;1;1;\"x \"\"y\"\"\"\n");
+}
+
 void make_detections(const fs::path& root) {
   const std::string box = R"({"center":[1,2.5,-3],"size":[4,2,1.5],"rotation":[1,0,0,0],"yaw":0})";
   const std::string detection = R"({"class":"Car","score":0.9,"box":)" + box +
                                 R"(,"log_density":-1.5,"quantile_boxes":[{"q":0.1,"box":)" + box +
                                 R"(,"fallback":false}],"confidence_boxes":[{"p":0.9,"box":)" + box +
-                                R"(}],"uncertainty":0.25,"known_size":"crate","samples":[)" + box +
+                                R"(}],"uncertainty":0.25,"known_size":[4,2,1.5],"known_size_name":"crate","samples":[)" + box +
                                 "]}";
   const std::string scan = R"({"source":"a.bin","frame":"lidar","detections":[)" + detection + "]}";
   write(root, "detection_json", "box.json", R"({"detections":[{"box":)" + box + "}]}");
@@ -314,6 +320,7 @@ int main(int argc, char** argv) {
   try {
     make_npy(argv[1]);
     make_tables(argv[1]);
+    make_known_sizes(argv[1]);
     make_detections(argv[1]);
     make_kitti(argv[1]);
     make_evaluation(argv[1]);

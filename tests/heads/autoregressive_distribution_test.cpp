@@ -173,6 +173,26 @@ TEST(AutoregressiveDistribution, ConditioningFindsWhatEnumerationFinds) {
   }
 }
 
+TEST(AutoregressiveDistribution, ExtentsInTheirOrderKeepIt) {
+  const auto distribution = opinionated(scaled(5, true))->forward(plain_input(2));
+  const std::vector<KnownSize> known{{"a", {0.5, 2.0, 1.0}}};
+  const auto given = given_known_sizes(*distribution, known,
+                                       {.beam_width = 500, .score = "joint", .orders = "given"});
+  const auto any = given_known_sizes(*distribution, known, {.beam_width = 500, .score = "joint"});
+  const Tensor sizes = at::tensor({0.5, 2.0, 1.0}, at::kDouble).expand({2, 3});
+  const Tensor of_size = distribution->log_size_density(sizes);
+  const Draws mode = distribution->given_sizes(sizes)->mode(500);
+  for (std::int64_t i = 0; i < 2; ++i) {
+    EXPECT_LT((given[i].box.size - known[0].size).norm(), 1e-5);
+    // At least its best beam, and more if others are the same solid.
+    EXPECT_GE(given[i].log_density + 1e-4,
+              (of_size[i] + mode.log_density[i][0]).item<double>());
+    EXPECT_LE(given[i].log_density, any[i].log_density + 1e-6);
+  }
+  EXPECT_EQ(why_not_conditioned(*distribution), "");
+  EXPECT_THROW(given_known_sizes(*distribution, known, {.orders = "some"}), ConfigError);
+}
+
 TEST(AutoregressiveDistribution, OrdersWithoutTheSizeFirstAreNotConditioned) {
   const auto distribution =
       opinionated(scaled(4, true, "center_size_rotation"))->forward(plain_input(1));
@@ -184,6 +204,8 @@ TEST(AutoregressiveDistribution, OrdersWithoutTheSizeFirstAreNotConditioned) {
     EXPECT_NE(std::string(error.what()).find("does not predict the size first"), std::string::npos);
   }
   EXPECT_THROW(common_size(*distribution, std::vector<Eigen::Vector3d>{{1, 1, 1}}), NotAvailable);
+  EXPECT_NE(why_not_conditioned(*distribution).find("does not predict the size first"),
+            std::string::npos);
 }
 
 TEST(AutoregressiveDistribution, FollowsItsParameters) {

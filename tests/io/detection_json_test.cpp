@@ -47,7 +47,7 @@ Detection full_detection(std::uint64_t seed) {
   detection.confidence_boxes = {{.p = 0.9, .box = random_box(seed + 3)}};
   detection.log_density = -1e-300;
   detection.uncertainty = 0.1;
-  detection.known_size = "crate";
+  detection.known_size = {.name = seed % 20 == 0 ? "crate" : "", .size = {0.3, 1.2, 1.0 / 7.0}};
   detection.samples = {random_box(seed + 4), random_box(seed + 5)};
   return detection;
 }
@@ -106,7 +106,9 @@ TEST(DetectionJson, EveryFieldReadsBackAsItWas) {
       expect_same(b.box, a.box);
       EXPECT_EQ(b.log_density, a.log_density);
       EXPECT_EQ(b.uncertainty, a.uncertainty);
-      EXPECT_EQ(b.known_size, a.known_size);
+      ASSERT_TRUE(b.known_size);
+      EXPECT_EQ(b.known_size->name, a.known_size->name);
+      EXPECT_EQ(b.known_size->size, a.known_size->size);
       ASSERT_EQ(b.quantile_boxes.size(), 2u);
       EXPECT_EQ(b.quantile_boxes[1].q, 0.7);
       EXPECT_TRUE(b.quantile_boxes[1].fallback);

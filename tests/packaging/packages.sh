@@ -56,7 +56,7 @@ install() {
 install /root/arbox-geometry_*.deb || fail "arbox-geometry does not install"
 install /root/arbox-io_*.deb || fail "arbox-io does not install"
 install /root/arbox_*.deb || fail "arbox does not install"
-inside arbox detect /root/street.bin --quantile 0.2 --format csv | grep Car > /dev/null || fail "no car found"
+inside arbox detect /root/street.bin --detector cluster_fit --quantile 0.2 --format csv | grep Car > /dev/null || fail "no car found"
 inside arbox config show head/autoregressive | grep hidden > /dev/null || fail "LibTorch's part does not open"
 inside arbox view --cloud /root/street.bin --html /root/page.html
 inside sh -c 'arbox view --cloud /root/street.bin --interactive; [ $? -eq 2 ]' 2> /dev/null ||

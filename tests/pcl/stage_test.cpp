@@ -120,9 +120,11 @@ TEST(BoxDetectorStage, HandsTheCloudOverWithoutACopy) {
   detector.setSeed(4);
   detector.setNumberOfThreads(2);
   detector.setKeepSamples(true);
+  detector.setKnownSizes({{"Car", {{"van", {5, 2, 2}}}}});
   detector.detect();
   EXPECT_EQ(witness->view.data(), reinterpret_cast<const std::byte*>(cloud->points.data()));
   EXPECT_EQ(witness->view.size(), cloud->size());
+  EXPECT_EQ(witness->asked.known_sizes.at("Car").at(0).name, "van");
   EXPECT_THAT(witness->asked.quantiles, ElementsAre(0.1, 0.5));
   EXPECT_THAT(witness->asked.confidences, ElementsAre(0.9));
   EXPECT_EQ(witness->asked.score, 0.7);

@@ -10,22 +10,11 @@
 #include <thread>
 
 #include "arbox/base/error.h"
-#include "arbox/detectors/pv_rcnn/pv_rcnn.h"
 #include "arbox/geometry/nms.h"
-#include "detectors/pv_rcnn/small_network.h"
+#include "detectors/pv_rcnn/small_detector.h"
 
 namespace arbox::detectors::pv_rcnn {
 namespace {
-
-PvRcnn made_detector(const std::vector<std::string>& more = {},
-                     std::optional<evaluation::ConfidenceCalibration> calibration = {}) {
-  std::vector<std::string> changes = small_autoregressive();
-  changes.insert(changes.end(), more.begin(), more.end());
-  at::manual_seed(5);
-  auto network = std::make_shared<Network>(small_options(true, changes));
-  unsettle(*network);
-  return PvRcnn(network, std::move(calibration));
-}
 
 void expect_same(const DetectionResult& a, const DetectionResult& b, double tolerance,
                  double lifted = 0) {

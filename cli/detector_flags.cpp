@@ -10,6 +10,8 @@ namespace arbox::cli {
 
 namespace {
 
+constexpr char kFallback[] = "cluster_fit";
+
 std::vector<std::string> model_changes(const DetectorFlags& flags) {
   // --score alone says what is left out, unless --set does.
   std::vector<std::string> changes = {"post.score=0"};
@@ -21,17 +23,29 @@ std::vector<std::string> model_changes(const DetectorFlags& flags) {
   return changes;
 }
 
+/// Empty for a detector that is no model.
+std::string chosen_model(const DetectorFlags& flags) {
+  if (!flags.model.empty() || !flags.detector.empty()) return flags.model;
+  return detectors::has_shipped_model() ? detectors::kShippedModel : "";
+}
+
 std::unique_ptr<detectors::Detector> open_chosen(const DetectorFlags& flags) {
-  if (!flags.model.empty()) {
+  if (const std::string model = chosen_model(flags); !model.empty()) {
     try {
-      return detectors::open_model(flags.model, model_changes(flags));
+      return detectors::open_model(model, model_changes(flags));
     } catch (const detectors::OverrideError& error) {
       throw UsageError(error.what());
     }
   }
+  const std::string detector = flags.detector.empty() ? kFallback : flags.detector;
+  if (!flags.head.empty() || !flags.mode.empty()) {
+    throw UsageError(
+        "--head and --mode choose what a model answers: expected --model, got the "
+        "detector " +
+        detector);
+  }
   try {
-    return detectors::create_detector(flags.detector, flags.config, flags.overrides,
-                                      program_registry());
+    return detectors::create_detector(detector, flags.config, flags.overrides, program_registry());
   } catch (const detectors::OverrideError& error) {
     throw UsageError(std::string("--set: ") + error.what());
   } catch (const InvalidArgument& error) {
@@ -57,22 +71,22 @@ void require_known_sizes(const detectors::Detector& detector, const DetectorFlag
 void add_model_flags(CLI::App& command, DetectorFlags& flags) {
   CLI::Option* model =
       command
-          .add_option("--model", flags.model,
-                      "A trained detector: a .arbox file, or the name of an installed one")
+          .add_option(
+              "--model", flags.model,
+              "A trained detector: a .arbox file, or the name of an installed one "
+              "(default: pv_rcnn_compact if it is installed, else the detector cluster_fit)")
           ->type_name("FILE|NAME");
   for (const char* other : {"--detector", "--config"}) model->excludes(command.get_option(other));
   command
       .add_option("--head", flags.head, "Which of the model's heads answers (default: its first)")
-      ->type_name("NAME")
-      ->needs(model);
+      ->type_name("NAME");
   command
       .add_option("--mode", flags.mode,
                   "The box of a detection: beam, the most likely one that a beam search finds; "
                   "mean; quantile, the quantile box of --set post.quantile=Q; pointwise (default: "
                   "as the model says)")
       ->type_name("MODE")
-      ->check(CLI::IsMember({"beam", "mean", "quantile", "pointwise"}).description(""))
-      ->needs(model);
+      ->check(CLI::IsMember({"beam", "mean", "quantile", "pointwise"}).description(""));
 }
 
 }  // namespace
@@ -84,12 +98,15 @@ std::unique_ptr<detectors::Detector> make_detector(const DetectorFlags& flags) {
 }
 
 void add_detector_flags(CLI::App& command, DetectorFlags& flags) {
-  command
-      .add_option("--detector", flags.detector,
-                  "What finds the objects (default: cluster_fit; 'arbox plugins list' lists all)")
-      ->type_name("NAME");
+  CLI::Option* detector =
+      command
+          .add_option("--detector", flags.detector,
+                      "What finds the objects, if no model: cluster_fit, or what a plugin brings "
+                      "('arbox plugins list')")
+          ->type_name("NAME");
   command.add_option("--config", flags.config, "Options of the detector, a YAML file")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->needs(detector);
   command
       .add_option("--set", flags.overrides,
                   "Options of the detector or model one by one (see 'arbox config show', 'arbox "

@@ -14,9 +14,10 @@ namespace arbox::cli {
 /// What every command that detects lets its user choose: the detector, what it is asked for, and
 /// how clouds are read.
 struct DetectorFlags {
-  std::string detector = "cluster_fit";
-  /// A trained detector in its place: a model file or the name of one, and which of its heads and
-  /// boxes answer.
+  /// By name; empty for a model, or what is there if that is empty, too: the shipped model, else
+  /// cluster_fit.
+  std::string detector;
+  /// A trained detector: a model file or the name of one, and which of its heads and boxes answer.
   std::string model, head, mode;
   std::string config;
   std::vector<std::string> overrides;

@@ -80,9 +80,13 @@ void pack(const PackRequest& request) {
 extern "C" __attribute__((visibility("default"))) const arbox::cli::TorchModule*
 arbox_torch_module() {
   using namespace arbox;
-  static const cli::TorchModule module = {
-      &cli::register_built_ins, &cli::find_options, &cli::fit_bins, &cli::import_openpcdet,
-      &cli::train,              &cli::model_heads,  &cli::pack};
+  static const cli::TorchModule module = {&cli::register_built_ins,
+                                          &cli::find_options,
+                                          &cli::fit_bins,
+                                          &cli::import_openpcdet,
+                                          &cli::train,
+                                          &cli::model_heads,
+                                          &cli::pack};
   return &module;
 }
 

@@ -19,9 +19,11 @@ constexpr const char* kNetworks = "libarbox_program_torch.so";
 using LoadModel = void(const std::string& file, const std::vector<std::string>& overrides,
                        std::unique_ptr<Detector>& result);
 
+/// Beside the folder of the installation's plugins, which is the last to be searched.
+fs::path networks_file() { return plugin_folders().back().parent_path() / kNetworks; }
+
 LoadModel& model_loader() {
-  // Beside the folder of the installation's plugins, which is the last to be searched.
-  const fs::path file = plugin_folders().back().parent_path() / kNetworks;
+  const fs::path file = networks_file();
   if (!fs::is_regular_file(file)) {
     throw NotAvailable("this installation of Arbox has no networks: " + file.string() +
                        " is missing, install the component 'program_torch'");
@@ -83,6 +85,15 @@ Registry make_detector_registry() {
   registry.declare<DetectorKind>();
   registry.add_built_in(register_cluster_fit);
   return registry;
+}
+
+bool has_shipped_model() {
+  try {
+    io::find_model(kShippedModel);
+  } catch (const IoError&) {
+    return false;
+  }
+  return fs::is_regular_file(networks_file());
 }
 
 std::unique_ptr<Detector> create_detector(const std::string& name, const fs::path& configuration,

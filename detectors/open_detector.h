@@ -18,6 +18,13 @@ namespace arbox::detectors {
 /// A registry that knows the kind `detector` and the built-in `cluster_fit`.
 Registry make_detector_registry();
 
+/// The model that comes with Arbox.
+inline constexpr char kShippedModel[] = "pv_rcnn_compact";
+
+/// Whether it is found (io/model_search.h), and the installation has networks. Throws as
+/// io::model_folders.
+bool has_shipped_model();
+
 /// Changes to options, each KEY=VALUE, that do not fit them.
 class OverrideError : public ConfigError {
  public:

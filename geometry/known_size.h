@@ -9,7 +9,7 @@ namespace arbox::geometry {
 
 /// A size that an object may have: a model of car, a stock-keeping unit.
 struct KnownSize {
-  std::string name;  ///< For people; may be empty.
+  std::string name;                                ///< For people; may be empty.
   Eigen::Vector3d size = Eigen::Vector3d::Ones();  ///< Length, width, height; metres, above zero.
 };
 

@@ -154,9 +154,9 @@ struct PostOptions {
                   {.help = "Beams of the search for the mode", .low = 1, .high = 4096});
     visitor.field("quantile", &Self::quantile,
                   {.help = "q of the box where box is quantile", .low = 0.001, .high = 0.999});
-    visitor.field("known_sizes", &Self::known_sizes,
-                  {.help = "Density that known sizes are compared by",
-                   .choices = {"joint", "given_size"}});
+    visitor.field(
+        "known_sizes", &Self::known_sizes,
+        {.help = "Density that known sizes are compared by", .choices = {"joint", "given_size"}});
     visitor.field("samples", &Self::samples,
                   {.help = "Draws for quantile boxes and uncertainty", .low = 1, .high = 100000});
   }

@@ -199,6 +199,34 @@ TEST(Import, TheProgramDetectsWithTheModel) {
       {"--model"});
 }
 
+TEST(Import, TheShippedModelIsTheDefault) {
+  std::filesystem::create_directories(made("shipped"));
+  save_model(made("shipped/pv_rcnn_compact.arbox"), *imported("spconv2.pth").model.network);
+  io::write_point_cloud(made("cloud.pcd"), made_cloud().view());
+  const std::string cloud = made("cloud.pcd").string();
+  testing::RunOptions shipped;
+  shipped.environment["ARBOX_MODEL_PATH"] = made("shipped").string();
+  const auto found = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"detect", cloud, "--score", "0"});
+    const auto result = testing::run_arbox(more, shipped);
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    return result.output;
+  };
+  const std::string named = found({"--model", "pv_rcnn_compact"});
+  EXPECT_THAT(named, HasSubstr("\"uncertainty\""));
+  EXPECT_EQ(found({}), named);
+  EXPECT_EQ(found({"--mode", "mean"}), found({"--model", "pv_rcnn_compact", "--mode", "mean"}));
+  EXPECT_NE(found({"--detector", "cluster_fit"}), named);
+  const auto refused = [&](const std::vector<std::string>& more, const char* part) {
+    std::vector<std::string> words = {"detect", cloud};
+    words.insert(words.end(), more.begin(), more.end());
+    testing::expect_one_line_error(testing::run_arbox(words, shipped), 2, {part});
+  };
+  refused({"--detector", "cluster_fit", "--mode", "mean"}, "--model");
+  refused({"--config", "options.yaml"}, "--detector");
+  refused({"--set", "post.boks=mean"}, "nearest is 'post.box'");
+}
+
 TEST(Import, TellsWhatItDoesNotUse) {
   const Import result = imported("more.pth");
   EXPECT_THAT(result.report.unused, ElementsAre("dense_head.extra", "teacher.* (2)"));

@@ -51,5 +51,14 @@ TEST(OpenDetector, TellsWhichOptionsDoNotFit) {
               HasSubstr("nearest is 'cluster_fit'"));
 }
 
+TEST(OpenDetector, KnowsWhetherTheShippedModelIsThere) {
+  const TemporaryDirectory models;
+  ::setenv("ARBOX_MODEL_PATH", models.path().c_str(), 1);
+  models.write(std::string(detectors::kShippedModel) + ".arbox", "no archive");
+  EXPECT_TRUE(detectors::has_shipped_model());
+  EXPECT_THROW(detectors::open_model(detectors::kShippedModel), FormatError);
+  ::unsetenv("ARBOX_MODEL_PATH");
+}
+
 }  // namespace
 }  // namespace arbox::testing

@@ -74,11 +74,12 @@ void make_known_sizes(const fs::path& root) {
 
 void make_detections(const fs::path& root) {
   const std::string box = R"({"center":[1,2.5,-3],"size":[4,2,1.5],"rotation":[1,0,0,0],"yaw":0})";
-  const std::string detection = R"({"class":"Car","score":0.9,"box":)" + box +
-                                R"(,"log_density":-1.5,"quantile_boxes":[{"q":0.1,"box":)" + box +
-                                R"(,"fallback":false}],"confidence_boxes":[{"p":0.9,"box":)" + box +
-                                R"(}],"uncertainty":0.25,"known_size":[4,2,1.5],"known_size_name":"crate","samples":[)" + box +
-                                "]}";
+  const std::string detection =
+      R"({"class":"Car","score":0.9,"box":)" + box +
+      R"(,"log_density":-1.5,"quantile_boxes":[{"q":0.1,"box":)" + box +
+      R"(,"fallback":false}],"confidence_boxes":[{"p":0.9,"box":)" + box +
+      R"(}],"uncertainty":0.25,"known_size":[4,2,1.5],"known_size_name":"crate","samples":[)" +
+      box + "]}";
   const std::string scan = R"({"source":"a.bin","frame":"lidar","detections":[)" + detection + "]}";
   write(root, "detection_json", "box.json", R"({"detections":[{"box":)" + box + "}]}");
   write(root, "detection_json", "scan.json", scan);

@@ -185,8 +185,7 @@ TEST(AutoregressiveDistribution, ExtentsInTheirOrderKeepIt) {
   for (std::int64_t i = 0; i < 2; ++i) {
     EXPECT_LT((given[i].box.size - known[0].size).norm(), 1e-5);
     // At least its best beam, and more if others are the same solid.
-    EXPECT_GE(given[i].log_density + 1e-4,
-              (of_size[i] + mode.log_density[i][0]).item<double>());
+    EXPECT_GE(given[i].log_density + 1e-4, (of_size[i] + mode.log_density[i][0]).item<double>());
     EXPECT_LE(given[i].log_density, any[i].log_density + 1e-6);
   }
   EXPECT_EQ(why_not_conditioned(*distribution), "");

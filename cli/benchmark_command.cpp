@@ -73,6 +73,12 @@ void add_benchmark(CLI::App& app) {
       ->check(CLI::Range(0.001, 0.999))
       ->type_name("Q")
       ->capture_default_str();
+  command
+      ->add_option("--confidence", options.confidences,
+                   "Boxes that contain the object with probability p, from the model's first head "
+                   "(calibrated models)")
+      ->check(CLI::Range(0.001, 0.999))
+      ->type_name("P");
   command->add_option("--score", options.score, "Least score of what counts for average precision")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();

@@ -21,8 +21,6 @@
 namespace arbox::cli {
 namespace {
 
-constexpr io::ImageSize kUsualImage{1242, 375};
-
 std::string extension_of(const std::string& format) { return format == "kitti" ? "txt" : format; }
 
 void require_different_names(const std::vector<ScanInput>& scans) {
@@ -117,7 +115,7 @@ std::string DetectionOutput::kitti_text(const ScanInput& input,
   const io::KittiCalibration calibration = io::read_kitti_calibration(file);
   const io::ImageSize image = std::filesystem::exists(input.image)
                                   ? io::read_png_size(input.image)
-                                  : io::known_image_size(calibration).value_or(kUsualImage);
+                                  : io::known_image_size(calibration).value_or(io::kUsualImageSize);
   return io::format_kitti_results(io::to_kitti_results(scan.detections, calibration, image));
 }
 

@@ -23,8 +23,6 @@ using evaluation::KittiFrame;
 using evaluation::UncertaintyScan;
 using geometry::Detection;
 
-constexpr io::ImageSize kUsualImage{1242, 375};
-
 /// A detector of one head and one box, and what it is asked for.
 struct Contestant {
   std::string name, box;
@@ -101,7 +99,9 @@ std::vector<Contestant> contestants(const OutdoorBenchmarkOptions& options, bool
   }
   for (const std::string& head : heads) {
     if (head == "pointwise") continue;
-    result.push_back(model_contestant(options, head, head, "beam", sampled));
+    detectors::DetectionRequest request = sampled;
+    if (!alone && head == heads[0]) request.confidences = options.confidences;
+    result.push_back(model_contestant(options, head, head, "beam", request));
     result.push_back(model_contestant(options, head, head, "mean", plain));
     if (!alone) continue;
     for (const double q : options.quantiles) {
@@ -175,9 +175,10 @@ class Results {
       return one.detector == detector && one.box == box;
     });
     if (row == rows_.end()) row = rows_.insert(rows_.end(), {detector, box, {}});
-    row->frames.push_back({.labels = frame.labels,
-                           .predictions = io::to_kitti_results(
-                               found, frame.calibration, frame.image_size.value_or(kUsualImage))});
+    row->frames.push_back(
+        {.labels = frame.labels,
+         .predictions = io::to_kitti_results(found, frame.calibration,
+                                             frame.image_size.value_or(io::kUsualImageSize))});
   }
 
   void add_uncertainty(const std::string& name, const std::vector<Detection>& objects,

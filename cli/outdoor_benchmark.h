@@ -28,6 +28,8 @@ struct OutdoorBenchmarkOptions {
   std::vector<std::string> heads;
   bool cluster_fit = true;
   std::vector<double> quantiles = {0.1, 0.2, 0.4, 0.5};
+  /// Confidence boxes at these p, from the model's first head, which must be calibrated.
+  std::vector<double> confidences = {};
   /// Least score of what counts for average precision, and for promises and uncertainty.
   double score = 0.1, found_score = 0.3;
   /// Scans that each row is timed on, alone.

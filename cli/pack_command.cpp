@@ -18,7 +18,9 @@ struct PackFlags {
 };
 
 void pack(PackFlags& flags) {
-  flags.request.model = io::find_model(flags.model).string();
+  flags.request.model = std::filesystem::is_directory(flags.model)
+                            ? flags.model
+                            : io::find_model(flags.model).string();
   if (!flags.card.empty()) flags.request.card = io::read_file(flags.card);
   torch_module().pack(flags.request);
   std::printf("model         %s\nbytes         %llu\n", flags.request.output.c_str(),
@@ -31,9 +33,13 @@ void add_pack(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "pack", "Make a trained model ready to be given away: smaller, with a card, other defaults");
   const auto flags = std::make_shared<PackFlags>();
-  command->add_option("model", flags->model, "A .arbox file, or the name of an installed model")
+  command
+      ->add_option(
+          "model", flags->model,
+          "A .arbox file, the name of an installed model, or the folder of a training run, "
+          "also of one that has not ended: its last checkpoint")
       ->required()
-      ->type_name("MODEL");
+      ->type_name("MODEL|DIR");
   command
       ->add_option("-o,--output", flags->request.output, "The model to write; may be the same file")
       ->required()
@@ -49,10 +55,12 @@ void add_pack(CLI::App& app) {
       ->add_option("--set", flags->request.overrides,
                    "Changes to the model's options, for example post.score=0.2")
       ->type_name("KEY=VALUE");
-  add_examples(*command, {{"arbox pack runs/street/model.arbox --half --card card.md --output "
-                           "street.arbox",
-                           "Half the size, with a card; calibrate what comes of it"},
-                          {"arbox info street.arbox", "Card, configuration and size"}});
+  add_examples(*command,
+               {{"arbox pack runs/street/model.arbox --half --card card.md --output "
+                 "street.arbox",
+                 "Half the size, with a card; calibrate what comes of it"},
+                {"arbox pack runs/street --output now.arbox", "What a run has learnt up to now"},
+                {"arbox info street.arbox", "Card, configuration and size"}});
   command->callback([flags] { pack(*flags); });
 }
 

@@ -56,7 +56,9 @@ struct ImportResult {
 
 /// A model written anew.
 struct PackRequest {
-  std::string model, output;
+  /// A model file, or the folder of a training run.
+  std::string model;
+  std::string output;
   /// In place of the model's own card, if not empty.
   std::string card;
   /// KEY=VALUE changes to the network's options.

@@ -5,6 +5,9 @@
 #include "arbox/heads/conditioning.h"
 #include "arbox/heads/fit_ranges.h"
 #include "arbox/heads/head_kind.h"
+#include "arbox/training/checkpoint.h"
+#include "arbox/training/pv_rcnn_training.h"
+#include "arbox/training/weights_file.h"
 
 namespace arbox::heads {
 void register_heads(Registrar& registrar);  // head_registry.h, without LibTorch's headers
@@ -65,9 +68,22 @@ std::vector<std::string> model_heads(const std::string& file) {
   return names;
 }
 
+/// The network of a training run as its last checkpoint has it.
+detectors::pv_rcnn::Model model_of_run(const std::filesystem::path& folder,
+                                       const std::vector<std::string>& overrides) {
+  const auto training = training::read_pv_rcnn_training(training::configuration_file(folder));
+  const auto network = std::make_shared<detectors::pv_rcnn::Network>(
+      override_options(training.model.network, overrides));
+  training::load_weights(*network, training::checkpoint_file(folder));
+  network->eval();
+  return {.network = network, .notes = {}};
+}
+
 void pack(const PackRequest& request) {
   namespace pv_rcnn = detectors::pv_rcnn;
-  pv_rcnn::Model model = pv_rcnn::load_model(request.model, request.overrides);
+  pv_rcnn::Model model = std::filesystem::is_directory(request.model)
+                             ? model_of_run(request.model, request.overrides)
+                             : pv_rcnn::load_model(request.model, request.overrides);
   if (!request.card.empty()) model.notes.card = request.card;
   pv_rcnn::save_model(
       request.output, *model.network, model.notes,

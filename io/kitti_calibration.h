@@ -59,6 +59,9 @@ std::string format_kitti_calibration(const KittiCalibration& calibration);
 /// 7481 training frames come from four days with one camera calibration each. Nothing for others.
 std::optional<ImageSize> known_image_size(const KittiCalibration& calibration);
 
+/// What images of KITTI's left colour camera have where nothing better is known.
+inline constexpr ImageSize kUsualImageSize{1242, 375};
+
 /// The ground: points p of the rectified camera frame with normal . p + offset = 0. The normal has
 /// unit length and points up (negative y).
 struct KittiPlane {

@@ -207,6 +207,12 @@ train: {steps: 3, batch_size: 1, seed: 5}
         ASSERT_NEAR(is[i], was[i], 1e-3 * std::abs(was[i]) + 1e-7) << name;
       }
     }
+    const std::string now = path("now.arbox");
+    const auto of_run = run_arbox({"pack", path("whole"), "--output", now});
+    ASSERT_EQ(of_run.exit_code, 0) << of_run.errors;
+    EXPECT_EQ(arbox::io::read_model_archive(now).records, before.records);
+    expect_one_line_error(run_arbox({"pack", path("streets"), "--output", now}), 1,
+                          {"config.yaml"});
     expect_one_line_error(run_arbox({"pack", "no_such.arbox", "--output", packed}), 1,
                           {"no_such.arbox"});
     expect_one_line_error(run_arbox({"pack", model, "--set", "post.nms_iou=2", "--output", packed}),

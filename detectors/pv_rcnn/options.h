@@ -126,6 +126,11 @@ struct PostOptions {
   std::string known_sizes = "joint";
   /// Draws for quantile boxes and uncertainty.
   int samples = 64;
+  /// The score of a detection: its `confidence`, or, `overlap`, that times the share of the draws
+  /// whose IoU with the detection's box is at least `overlap_iou`, how likely the box is to be a
+  /// good one. Suppression of pointwise boxes goes by the confidence.
+  std::string scoring = "confidence";
+  double overlap_iou = 0.5;
 
   template <class Visitor>
   static void describe(Visitor& visitor) {
@@ -159,6 +164,12 @@ struct PostOptions {
         {.help = "Density that known sizes are compared by", .choices = {"joint", "given_size"}});
     visitor.field("samples", &Self::samples,
                   {.help = "Draws for quantile boxes and uncertainty", .low = 1, .high = 100000});
+    visitor.field("scoring", &Self::scoring,
+                  {.help = "The score of a detection: its confidence, or that times the share of "
+                           "the draws that overlap the box",
+                   .choices = {"confidence", "overlap"}});
+    visitor.field("overlap_iou", &Self::overlap_iou,
+                  {.help = "IoU from which a draw overlaps the box", .low = 0, .high = 1});
   }
 };
 

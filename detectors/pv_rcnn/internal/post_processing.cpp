@@ -1,30 +1,21 @@
 #include "arbox/detectors/pv_rcnn/internal/post_processing.h"
 
 #include <ATen/TensorOperators.h>
-#include <ATen/ops/cat.h>
-#include <ATen/ops/empty.h>
 #include <ATen/ops/isfinite.h>
-#include <ATen/ops/zeros.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "arbox/detectors/pv_rcnn/box_coding.h"
 #include "arbox/detectors/pv_rcnn/internal/box_rows.h"
+#include "arbox/detectors/pv_rcnn/internal/head_answer.h"
 #include "arbox/geometry/nms.h"
-#include "arbox/heads/conditioning.h"
-#include "arbox/heads/distribution_boxes.h"
+#include "arbox/geometry/overlap.h"
 
 namespace arbox::detectors::pv_rcnn::internal {
 namespace {
 
 using at::Tensor;
-
-Tensor index_tensor(const std::vector<std::int64_t>& index) {
-  Tensor result = at::empty({std::ssize(index)}, at::kLong);
-  std::copy(index.begin(), index.end(), result.data_ptr<std::int64_t>());
-  return result;
-}
 
 /// Regions that are still in the running, as rows of the proposals, with what is known of them.
 struct Candidates {
@@ -82,17 +73,6 @@ std::vector<std::int64_t> suppressed(const Candidates& candidates, const PostOpt
       .kept;
 }
 
-/// The head's answer for candidates.
-struct Answer {
-  Tensor boxes;        // (N, 7)
-  Tensor log_density;  // (N) or undefined
-  heads::DistributionBoxes summary;
-  /// By candidate, null without one; empty if none is asked for.
-  std::vector<const geometry::KnownSize*> known_sizes;
-  /// By candidate: draws of objects of unknown size, if `summary` has others.
-  std::vector<std::vector<geometry::Box>> free_samples;
-};
-
 heads::HeadInput input_of(const Network& network, const RegionResults& results,
                           const Candidates& candidates, std::uint64_t seed) {
   const Tensor index = index_tensor(candidates.rows);
@@ -106,130 +86,26 @@ heads::HeadInput input_of(const Network& network, const RegionResults& results,
   return input;
 }
 
-Tensor quantile_rows(const heads::DistributionBoxes& summary, const Tensor& fallback) {
-  Tensor rows = fallback.clone();
-  for (std::size_t i = 0; i < summary.objects.size(); ++i) {
-    if (summary.objects[i].quantile_boxes.empty()) continue;
-    const geometry::Box& box = summary.objects[i].quantile_boxes.back().box;
-    const double numbers[] = {box.center.x(), box.center.y(), box.center.z(),    box.size.x(),
-                              box.size.y(),   box.size.z(),   geometry::yaw(box)};
-    for (std::int64_t k = 0; k < kBoxNumbers; ++k) rows[i][k] = numbers[k];
-  }
-  return rows;
+/// Share of the draws that overlap a box; 1 if there are none.
+double overlapping_share(const geometry::Box& box, const std::vector<geometry::Box>& samples,
+                         double iou) {
+  if (samples.empty()) return 1.0;
+  const auto overlapping = std::count_if(
+      samples.begin(), samples.end(),
+      [&](const geometry::Box& sample) { return geometry::overlap(sample, box) >= iou; });
+  return static_cast<double>(overlapping) / static_cast<double>(samples.size());
 }
 
-bool needs_draws(const DetectionRequest& request, const PostOptions& options) {
-  return request.uncertainty || request.samples || options.box == "quantile" ||
-         !request.quantiles.empty() || !request.confidences.empty();
-}
-
-/// Boxes and what draws tell.
-Answer boxes_of(const heads::BoxDistribution& distribution, const heads::Streams& streams,
-                const Tensor& pointwise, const DetectionRequest& request,
-                const PostOptions& options) {
-  Answer answer;
-  heads::DistributionBoxOptions wanted;
-  wanted.samples = options.samples;
-  wanted.quantiles = request.quantiles;
-  wanted.threads = request.threads;
-  // The box itself, if it is a quantile box, comes last.
-  if (options.box == "quantile") wanted.quantiles.push_back(options.quantile);
-  answer.summary.objects.resize(distribution.size());
-  if (needs_draws(request, options)) {
-    answer.summary = heads::distribution_boxes(distribution, streams, wanted);
-  }
-  if (options.box == "pointwise") {
-    answer.boxes = pointwise;
-  } else if (options.box == "mean") {
-    answer.boxes = from_box_rows(distribution.mean());
-  } else if (options.box == "quantile") {
-    answer.boxes = quantile_rows(answer.summary, pointwise);
-  } else {
-    answer.boxes = from_box_rows(distribution.mode(options.beam_width).boxes.select(1, 0));
-  }
-  return answer;
-}
-
-/// Which known size each of a distribution's objects has; null where none is possible.
-std::vector<const geometry::KnownSize*> chosen_sizes(const heads::BoxDistribution& distribution,
-                                                     const std::vector<geometry::KnownSize>& known,
-                                                     const PostOptions& options) {
-  std::vector<const geometry::KnownSize*> chosen;
-  for (const heads::ConditionedBox& one : heads::given_known_sizes(
-           distribution, known,
-           {.beam_width = options.beam_width, .score = options.known_sizes, .orders = "given"})) {
-    chosen.push_back(std::isfinite(one.log_density) ? &known[one.known_size] : nullptr);
-  }
-  return chosen;
-}
-
-Tensor size_rows(const std::vector<const geometry::KnownSize*>& sizes) {
-  Tensor rows = at::zeros({std::ssize(sizes), 3}, at::kDouble);
-  double* number = rows.data_ptr<double>();
-  for (const geometry::KnownSize* known : sizes) {
-    for (const double extent : known->size) *number++ = extent;
-  }
-  return rows;
-}
-
-/// Puts what objects of known size look like in the place of what is known without.
-void condition(const heads::BoxDistribution& distribution, const heads::Streams& streams,
-               const Tensor& pointwise, const std::vector<std::int64_t>& rows,
-               const std::vector<geometry::KnownSize>& known, const DetectionRequest& request,
-               const PostOptions& options, Answer& answer) {
-  const auto chosen = chosen_sizes(*distribution.select(index_tensor(rows)), known, options);
-  std::vector<std::int64_t> sized;
-  std::vector<const geometry::KnownSize*> sizes;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (chosen[i] == nullptr) continue;
-    sized.push_back(rows[i]);
-    sizes.push_back(chosen[i]);
-  }
-  if (sized.empty()) return;
-  const Tensor index = index_tensor(sized);
-  Answer given = boxes_of(*distribution.select(index)->given_sizes(size_rows(sizes)),
-                          {streams.seed, streams.object_ids.index_select(0, index)},
-                          pointwise.index_select(0, index), request, options);
-  answer.boxes = answer.boxes.index_copy(0, index, given.boxes.to(answer.boxes.scalar_type()));
-  for (std::size_t i = 0; i < sized.size(); ++i) {
-    answer.known_sizes[sized[i]] = sizes[i];
-    answer.summary.objects[sized[i]] = std::move(given.summary.objects[i]);
-  }
-}
-
-std::vector<std::int64_t> rows_of_class(const Candidates& candidates, std::int64_t label) {
-  std::vector<std::int64_t> rows;
-  for (std::size_t i = 0; i < candidates.labels.size(); ++i) {
-    if (candidates.labels[i] == label) rows.push_back(static_cast<std::int64_t>(i));
-  }
-  return rows;
-}
-
-Answer ask(heads::BoxHead& head, const heads::HeadInput& input, const Candidates& candidates,
-           const Tensor& pointwise, const DetectionRequest& request, const Options& options) {
-  const auto distribution = head.forward(input);
-  const heads::Streams streams = input.streams();
-  Answer answer = boxes_of(*distribution, streams, pointwise, request, options.post);
-  if (!request.known_sizes.empty()) {
-    answer.known_sizes.resize(candidates.rows.size());
-    for (const auto& object : answer.summary.objects) {
-      if (!request.confidences.empty()) answer.free_samples.push_back(object.samples);
-    }
-  }
-  for (const auto& [name, known] : request.known_sizes) {
-    const auto label = std::find(options.classes.begin(), options.classes.end(), name);
-    const auto rows = rows_of_class(candidates, label - options.classes.begin());
-    if (rows.empty()) continue;
-    condition(*distribution, streams, pointwise, rows, known, request, options.post, answer);
-  }
-  if (distribution->measure() == heads::Measure::kDensity) {
-    answer.log_density = distribution->log_density(to_box_rows(answer.boxes)).to(at::kDouble);
-  }
-  return answer;
+/// Leaves out what has lost too much of its score; best score first.
+void rank(std::vector<geometry::Detection>& detections, double least) {
+  std::erase_if(detections, [&](const auto& detection) { return detection.score < least; });
+  std::stable_sort(detections.begin(), detections.end(), [](const auto& first, const auto& second) {
+    return first.score > second.score;
+  });
 }
 
 geometry::Detection to_detection(const Candidates& candidates, std::size_t i,
-                                 const geometry::Box& box, Answer& answer, std::int64_t row,
+                                 const geometry::Box& box, HeadAnswer& answer, std::int64_t row,
                                  const Options& options, const DetectionRequest& request,
                                  const evaluation::ConfidenceCalibration* calibration) {
   geometry::Detection detection;
@@ -259,6 +135,9 @@ geometry::Detection to_detection(const Candidates& candidates, std::size_t i,
         {.boxes = samples, .object = static_cast<std::uint64_t>(candidates.rows[i])},
         request.confidences);
   }
+  if (options.post.scoring == "overlap") {
+    detection.score *= overlapping_share(detection.box, object.samples, options.post.overlap_iou);
+  }
   if (request.samples) detection.samples = object.samples;
   return detection;
 }
@@ -270,16 +149,16 @@ DetectionResult to_detections(const Network& network, heads::BoxHead& head,
                               const evaluation::ConfidenceCalibration* calibration) {
   const Options& options = network.options();
   DetectionResult result;
-  Candidates candidates =
-      scored(results, std::max(options.post.score, request.score), result.dropped_boxes);
+  const double least = std::max(options.post.score, request.score);
+  Candidates candidates = scored(results, least, result.dropped_boxes);
   const bool decode_first = options.post.nms_on == "decoded";
   if (!decode_first) candidates = candidates.select(suppressed(candidates, options.post));
   if (candidates.rows.empty()) return result;
   const Tensor index = index_tensor(candidates.rows);
   const Tensor pointwise = decode_region_residuals(results.second.residuals.index_select(0, index),
                                                    results.proposals.boxes.index_select(0, index));
-  Answer answer = ask(head, input_of(network, results, candidates, request.seed), candidates,
-                      pointwise, request, options);
+  HeadAnswer answer = ask(head, input_of(network, results, candidates, request.seed),
+                          candidates.labels, pointwise, request, options);
   const UsableBoxes usable = usable_boxes(answer.boxes);
   result.dropped_boxes += usable.dropped;
   Candidates decoded = candidates.select(usable.rows);
@@ -291,6 +170,7 @@ DetectionResult to_detections(const Network& network, heads::BoxHead& head,
     result.detections.push_back(to_detection(decoded, i, decoded.boxes[i], answer, usable.rows[i],
                                              options, request, calibration));
   }
+  if (options.post.scoring == "overlap") rank(result.detections, least);
   return result;
 }
 

@@ -3,6 +3,7 @@
 
 #include <ATen/Context.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <set>
@@ -11,6 +12,7 @@
 
 #include "arbox/base/error.h"
 #include "arbox/geometry/nms.h"
+#include "arbox/geometry/overlap.h"
 #include "detectors/pv_rcnn/small_detector.h"
 
 namespace arbox::detectors::pv_rcnn {
@@ -68,6 +70,28 @@ TEST(PvRcnnDetector, TheModeIsLikelierThanOtherBoxes) {
     EXPECT_GE(*mode.detections[i].log_density + 1e-3, *pointwise.detections[i].log_density);
     EXPECT_TRUE(quantile.detections[i].quantile_boxes.empty());
   }
+}
+
+TEST(PvRcnnDetector, ScoresKnowHowLikelyTheBoxIs) {
+  const auto scan = made_scan(1);
+  const auto plain = made_detector().detect(view_of(scan), {.samples = true, .seed = 4});
+  const std::vector<std::string> overlap = {"post.scoring=overlap", "post.overlap_iou=0.3"};
+  const auto ranked = made_detector(overlap).detect(view_of(scan), {.seed = 4});
+  std::vector<double> expected, found;
+  int lowered = 0;
+  for (const geometry::Detection& detection : plain.detections) {
+    double share = 0;
+    for (const geometry::Box& sample : detection.samples) {
+      share += geometry::overlap(sample, detection.box) >= 0.3 ? 1.0 / 64 : 0.0;
+    }
+    lowered += share < 1.0 - 1e-9 ? 1 : 0;
+    expected.push_back(detection.score * share);
+  }
+  std::sort(expected.rbegin(), expected.rend());
+  for (const geometry::Detection& detection : ranked.detections) found.push_back(detection.score);
+  ASSERT_FALSE(expected.empty());
+  EXPECT_THAT(found, testing::Pointwise(testing::DoubleNear(1e-12), expected));
+  EXPECT_GT(lowered, 0);
 }
 
 TEST(PvRcnnDetector, SuppressionOfDecodedBoxesLeavesThemApart) {

@@ -196,12 +196,15 @@ TEST(PvRcnnKnownSizes, TheProgramTakesThemFromAFile) {
   const auto found = run_arbox({"detect", cloud, "--model", model, "--score", "0", "--known-sizes",
                                 fleet, "--quantile", "0.2"});
   ASSERT_EQ(found.exit_code, 0) << found.errors;
+  std::size_t chosen = 0;
   for (const auto& detection : nlohmann::json::parse(found.output).at("detections")) {
     if (!detection.contains("known_size")) continue;
+    ++chosen;
     EXPECT_EQ(detection.at("class"), best.label);
     EXPECT_EQ(detection.at("known_size"), detection.at("box").at("size"));
     EXPECT_EQ(detection.at("known_size_name"), "own");
   }
+  EXPECT_GT(chosen, 0U);
   const auto refused = [&](const char* text, int exit_code, std::vector<std::string> parts,
                            const std::vector<std::string>& more = {}) {
     std::vector<std::string> words = {"detect", cloud,           "--model",

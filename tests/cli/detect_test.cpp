@@ -299,5 +299,28 @@ TEST(Detect, FailsInOneLineForBadInput) {
   expect_one_line_error(classical({kStreet, "--output", kStreet + "/under"}), 1, {"street.bin"});
 }
 
+TEST(Detect, TheShippedModelTakesTheLikelierOfKnownSizes) {
+  const TemporaryDirectory folder;
+  const auto fleet =
+      folder.write("fleet.csv", "class,l,w,h,name\nCar,4.2,1.75,1.5,small\nCar,7,2.5,3,van\n");
+  const auto result = run_arbox({"detect", ARBOX_EXAMPLES "/data/street.bin", "--model",
+                                 "pv_rcnn_compact", "--score", "0.5", "--known-sizes", fleet});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  std::size_t cars = 0;
+  const auto detections = nlohmann::json::parse(result.output).at("detections");
+  for (const auto& detection : detections) {
+    if (detection.at("class") != "Car") {
+      EXPECT_FALSE(detection.contains("known_size"));
+      continue;
+    }
+    ++cars;
+    ASSERT_TRUE(detection.contains("known_size")) << detection;
+    EXPECT_EQ(detection.at("known_size"), nlohmann::json({4.2, 1.75, 1.5}));
+    EXPECT_EQ(detection.at("known_size_name"), "small");
+    EXPECT_EQ(detection.at("box").at("size"), detection.at("known_size"));
+  }
+  EXPECT_GT(cars, 8u);
+}
+
 }  // namespace
 }  // namespace arbox::testing

@@ -197,7 +197,8 @@ TEST(PvRcnnKnownSizes, TheProgramTakesThemFromAFile) {
                                 fleet, "--quantile", "0.2"});
   ASSERT_EQ(found.exit_code, 0) << found.errors;
   std::size_t chosen = 0;
-  for (const auto& detection : nlohmann::json::parse(found.output).at("detections")) {
+  const auto detections = nlohmann::json::parse(found.output).at("detections");
+  for (const auto& detection : detections) {
     if (!detection.contains("known_size")) continue;
     ++chosen;
     EXPECT_EQ(detection.at("class"), best.label);

@@ -31,10 +31,12 @@ double draw_across(const Road& road, const RoadSide& side, Dice& dice) {
 void add_walkers(StreetBuilder& builder, double expected) {
   Dice& dice = builder.dice();
   const Road& road = builder.road();
-  double left = expected;
+  // Most streets are empty of walkers, and the others are not.
+  if (!dice.chance(.55)) return;
+  double left = 1.4 * expected;
   while (left > 0.0 && dice.chance(std::min(1.0, left))) {
     left -= 1.0;
-    const double s = dice.normal(6, 14);
+    const double s = dice.chance(.14) ? dice.normal(28, 26) : dice.normal(4, 12.5);
     const RoadSide& side = dice.chance(.5) ? road.left : road.right;
     const Spot spot{.s = s, .t = draw_across(road, side, dice), .turn = draw_heading(dice)};
     const double speed = dice.chance(.7) ? dice.uniform(.7, 1.6) : 0.0;

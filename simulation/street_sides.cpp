@@ -132,11 +132,11 @@ void add_gardens(StreetBuilder& builder, const RoadSide& side) {
   for (double s = -kFar; s < kFar; s += 5.5) {
     if (road.crossing(s, side.sign > 0, 1.0)) continue;
     for (double t = side.property_line() + 1.2; t < side.property_line() + 34; t += 4.5) {
-      if (!dice.chance(density * .8)) continue;
+      if (!dice.chance(density * .9)) continue;
       const Spot spot{s + dice.uniform(-2.5, 2.5), side.sign * (t + dice.uniform(-2, 2)),
                       dice.uniform(0, 6.2)};
       if (std::abs(spot.t) < side.property_line() + .9) continue;
-      const double draw = dice.uniform(0, 1), size = dice.uniform(.6, 1.3);
+      const double draw = dice.uniform(0, 1), size = dice.uniform(.7, 1.5);
       if (draw < .28) {
         add_thicket(builder, spot, side.property_line());
       } else if (draw < .40) {
@@ -157,7 +157,7 @@ void add_gardens(StreetBuilder& builder, const RoadSide& side) {
 void add_woods(StreetBuilder& builder, const RoadSide& side) {
   const Road& road = builder.road();
   Dice& dice = builder.dice();
-  const double chance = dice.uniform(.15, .75);
+  const double chance = dice.uniform(.3, .85);
   const double line = side.property_line() + dice.uniform(1.5, 8);
   for (double s = -kFar; s < kFar; s += 3.0) {
     if (road.crossing(s, side.sign > 0, 1.0)) continue;
@@ -180,7 +180,7 @@ void add_roadside(StreetBuilder& builder, const RoadSide& side) {
   const Road& road = builder.road();
   Dice& dice = builder.dice();
   const double line = side.curb_line() + .45;
-  const double lamps = dice.uniform(22, 40), trees = dice.chance(.4) ? dice.uniform(7, 16) : 1e9;
+  const double lamps = dice.uniform(22, 40), trees = dice.chance(.55) ? dice.uniform(6, 14) : 1e9;
   for (double s = -kFar + dice.uniform(0, lamps); s < kFar; s += lamps) {
     if (road.crossing(s, side.sign > 0)) continue;
     builder.add_thing(ModelKind::kStreetLamp, {s, side.sign * line, facing(side)});
@@ -211,6 +211,23 @@ void add_rails(StreetBuilder& builder, const RoadSide& side) {
   for (double s = -kFar; s < kFar; s += 4.0) {
     builder.add_thing(ModelKind::kGuardRail, {s, side.sign * (side.curb_line() + .5), facing(side)},
                       Scale::Ones(), false);
+  }
+}
+
+/// What closes the view along the road and behind the gardens: trees and roofs far away.
+void add_horizon(StreetBuilder& builder) {
+  Dice& dice = builder.dice();
+  const double density = dice.uniform(.7, 1.0);
+  const auto add = [&](double s, double t) {
+    if (!dice.chance(density)) return;
+    const Spot spot{s + dice.normal(0, 3), t + dice.normal(0, 3), dice.uniform(0, 6.2)};
+    const double size = dice.uniform(1.3, 2.2);
+    builder.add_thing(dice.chance(.7) ? ModelKind::kBroadTree : ModelKind::kConifer, spot,
+                      Scale(1.3 * size, 1.3 * size, size), false, .3);
+  };
+  for (const double end : {-1.0, 1.0}) {
+    for (double t = -60; t < 60; t += 5.0) add(end * (kFar + 8), t);
+    for (double s = -kFar; s < kFar; s += 6.0) add(s, end * 52.0);
   }
 }
 
@@ -248,6 +265,7 @@ void add_sides(StreetBuilder& builder) {
       add_woods(builder, *side);
     }
   }
+  add_horizon(builder);
   add_corners(builder);
 }
 

@@ -1,6 +1,7 @@
 #include "arbox/training/pv_rcnn_trainee.h"
 
 #include <ATen/TensorOperators.h>
+#include <ATen/ops/arange.h>
 #include <ATen/ops/scalar_tensor.h>
 #include <ATen/ops/zeros.h>
 #include <torch/csrc/autograd/grad_mode.h>
@@ -14,6 +15,7 @@
 #include "arbox/detectors/pv_rcnn/box_coding.h"
 #include "arbox/detectors/pv_rcnn/model.h"
 #include "arbox/training/pv_rcnn/evaluation.h"
+#include "arbox/training/pv_rcnn/kept_regions.h"
 
 namespace arbox::training {
 
@@ -47,6 +49,13 @@ std::vector<pv_rcnn::AnchorRule> rules_of(const AnchorOptions& anchors) {
   return rules;
 }
 
+void require_heads_alone(bool others_learn) {
+  if (!others_learn) return;
+  throw ConfigError(
+      "model.keep_regions: expected heads alone to be trained; name all other parts in "
+      "train.frozen (docs/training.md has the list)");
+}
+
 void require_valid(const PvRcnnTraineeOptions& options) {
   validate_options(options, "pv_rcnn training");
   const std::size_t pasted = options.augmentation.objects.counts.size();
@@ -61,8 +70,7 @@ void require_valid(const PvRcnnTraineeOptions& options) {
 
 /// What is known of a batch on its way through the network.
 struct PvRcnnTrainee::Pass {
-  Pass(Parts what, pv_rcnn::SceneObjects sought, PointBatch scans)
-      : parts(what), objects(std::move(sought)), batch(std::move(scans)) {}
+  Pass(Parts what, pv_rcnn::SceneObjects sought) : parts(what), objects(std::move(sought)) {}
 
   struct Term {
     Tensor sum;
@@ -71,7 +79,7 @@ struct PvRcnnTrainee::Pass {
   };
   Parts parts;
   pv_rcnn::SceneObjects objects;
-  PointBatch batch;
+  std::optional<PointBatch> batch;
   FirstStage first;
   pv_rcnn::ProposalTargets drawn;
   SecondStage second;
@@ -79,6 +87,8 @@ struct PvRcnnTrainee::Pass {
   /// Sums over the foreground that are told, without gradient.
   std::map<std::string, double> told;
   Tensor counts = at::zeros({kCounts}, at::kDouble);
+  /// Of this process.
+  double foreground = 0;
 
   void count(Count which, double number) { counts[which] = number; }
 };
@@ -101,6 +111,7 @@ PvRcnnTrainee::PvRcnnTrainee(PvRcnnTraineeOptions options, const SceneSource* ob
 PvRcnnTrainee::~PvRcnnTrainee() = default;
 
 void PvRcnnTrainee::prepare(Scene& scene, std::uint64_t seed, std::int64_t place) const {
+  if (scene.regions) return;
   augment(scene, options_.augmentation, database_.get(), seed, place);
 }
 
@@ -167,7 +178,7 @@ void PvRcnnTrainee::second_stage_terms(Pass& pass, const Step& step) {
   const bool gradient = pass.parts.refinement || pass.parts.first_stage;
   Keypoints keypoints;
   with_gradient(gradient, [&] {
-    keypoints = network_->keypoints(pass.batch, pass.first, boxes, scene);
+    keypoints = network_->keypoints(*pass.batch, pass.first, boxes, scene);
     pass.second = network_->second_stage(keypoints, boxes, scene);
   });
   pass.count(kConfidences, (confidence >= 0).sum().item<double>());
@@ -185,7 +196,7 @@ void PvRcnnTrainee::second_stage_terms(Pass& pass, const Step& step) {
   pass.terms["corner"] = {sums.at("corner"), losses.corner, kForeground};
 }
 
-void PvRcnnTrainee::head_terms(Pass& pass, const Step& step) {
+heads::HeadInput PvRcnnTrainee::drawn_input(const Pass& pass, const Step& step) const {
   heads::HeadInput input =
       network_->head_input(pass.second, pass.drawn.boxes).select(pass.drawn.foreground);
   if (options_.detach_heads) {
@@ -196,7 +207,33 @@ void PvRcnnTrainee::head_terms(Pass& pass, const Step& step) {
   input.object_ids = (pass.drawn.scene + step.first_scene).index_select(0, pass.drawn.foreground) *
                          options_.proposals.count +
                      pass.drawn.foreground % options_.proposals.count;
-  const Tensor targets = to_box_rows(pass.drawn.objects).to(input.features.scalar_type());
+  return input;
+}
+
+void PvRcnnTrainee::kept_terms(Pass& pass, std::span<const Scene> scenes, const Step& step) {
+  std::vector<std::shared_ptr<const pv_rcnn::KeptRegions>> parts;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const Scene& scene = scenes[i];
+    parts.push_back(scene.regions);
+    if (scene.regions) continue;
+    const auto found = std::make_shared<pv_rcnn::KeptRegions>(pv_rcnn::detected_regions(
+        *network_, scene, pass.objects[i], options_.proposals.foreground_iou));
+    if (!scene.regions_file.empty()) pv_rcnn::write_kept_regions(scene.regions_file, *found);
+    parts.back() = found;
+  }
+  const pv_rcnn::KeptRegions regions = pv_rcnn::joined(parts);
+  const std::int64_t count = regions.boxes.size(0);
+  pass.count(kForeground, static_cast<double>(count));
+  pass.foreground = static_cast<double>(count);
+  heads::HeadInput input =
+      network_->head_input({regions.features, {}, regions.residuals}, regions.boxes);
+  input.seed = step.seed;
+  input.object_ids = at::arange(count, at::kLong) + step.first_scene * options_.proposals.count;
+  head_terms(pass, input, regions.objects);
+}
+
+void PvRcnnTrainee::head_terms(Pass& pass, const heads::HeadInput& input, const Tensor& objects) {
+  const Tensor targets = to_box_rows(objects).to(input.features.scalar_type());
   for (const auto& [name, head] : network_->heads()) {
     // The pointwise branch learns from the losses of its residuals.
     if (head->parameters().empty() || (!learns(*head) && !pass.parts.refinement)) continue;
@@ -208,18 +245,29 @@ void PvRcnnTrainee::head_terms(Pass& pass, const Step& step) {
   }
 }
 
-StepLoss PvRcnnTrainee::loss(std::span<const Scene> scenes, const Step& step,
-                             Communicator& processes) {
+void PvRcnnTrainee::network_terms(Pass& pass, std::span<const Scene> scenes, const Step& step) {
   std::vector<geometry::PointCloudView> clouds;
   for (const Scene& scene : scenes) clouds.push_back(scene.cloud.view());
-  Pass pass(parts(), objects_in_range(scenes),
-            make_batch(clouds, options_.network, true, step.seed,
-                       static_cast<std::uint64_t>(step.first_scene)));
-  pass.count(kScans, static_cast<double>(scenes.size()));
-  with_gradient(pass.parts.first_stage, [&] { pass.first = network_->first_stage(pass.batch); });
+  pass.batch = make_batch(clouds, options_.network, true, step.seed,
+                          static_cast<std::uint64_t>(step.first_scene));
+  with_gradient(pass.parts.first_stage, [&] { pass.first = network_->first_stage(*pass.batch); });
   if (pass.parts.first_stage) first_stage_terms(pass);
-  if (pass.parts.refinement || pass.parts.heads) second_stage_terms(pass, step);
-  if (pass.parts.refinement || pass.parts.heads) head_terms(pass, step);
+  if (!pass.parts.refinement && !pass.parts.heads) return;
+  second_stage_terms(pass, step);
+  pass.foreground = static_cast<double>(pass.drawn.foreground.numel());
+  head_terms(pass, drawn_input(pass, step), pass.drawn.objects);
+}
+
+StepLoss PvRcnnTrainee::loss(std::span<const Scene> scenes, const Step& step,
+                             Communicator& processes) {
+  Pass pass(parts(), objects_in_range(scenes));
+  pass.count(kScans, static_cast<double>(scenes.size()));
+  if (options_.keep_regions.empty()) {
+    network_terms(pass, scenes, step);
+  } else {
+    require_heads_alone(pass.parts.first_stage || pass.parts.refinement);
+    kept_terms(pass, scenes, step);
+  }
 
   processes.sum(pass.counts);
   const auto per = [&](Count which) {
@@ -233,8 +281,7 @@ StepLoss PvRcnnTrainee::loss(std::span<const Scene> scenes, const Step& step,
     result.terms[name] = share.item<double>();
   }
   for (const auto& [name, sum] : pass.told) result.terms[name] = sum * per(kForeground);
-  result.terms["foreground"] =
-      pass.drawn.foreground.defined() ? static_cast<double>(pass.drawn.foreground.numel()) : 0.0;
+  result.terms["foreground"] = pass.foreground;
   return result;
 }
 

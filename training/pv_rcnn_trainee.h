@@ -20,6 +20,11 @@ struct PvRcnnTraineeOptions {
   detectors::pv_rcnn::Options network;
   /// Heads learn without changing the features that they get.
   bool detach_heads = false;
+  /// Where heads alone are trained: a folder that keeps what the frozen stages make of each scene
+  /// (pv_rcnn/kept_regions.h), so that only the first epoch asks them. Heads then learn from the
+  /// regions of a detection, from an IoU of proposals.foreground_iou on, without drawing among
+  /// them; each scene stays as augmentation changed it the first time. Empty: nothing is kept.
+  std::string keep_regions = {};
   pv_rcnn::ProposalTargetOptions proposals;
   /// Keypoints up to half of this outside of an object are ignored, metres.
   double keypoint_ring = 0.2;
@@ -36,6 +41,9 @@ struct PvRcnnTraineeOptions {
     visitor.group("network", &Self::network, "The network");
     visitor.field("detach_heads", &Self::detach_heads,
                   {.help = "Heads learn without changing the features that they get"});
+    visitor.field("keep_regions", &Self::keep_regions,
+                  {.help = "Folder that keeps what frozen stages make of each scene, where heads "
+                           "alone are trained; epochs after the first cost next to nothing"});
     visitor.group("proposals", &Self::proposals, "What the second stage learns from");
     visitor.field("keypoint_ring", &Self::keypoint_ring,
                   {.help = "Keypoints up to half of this outside of an object are ignored",
@@ -61,7 +69,7 @@ class PvRcnnTrainee : public Trainee {
 
   torch::nn::Module& network() override { return *network_; }
 
-  /// Augmentation.
+  /// Augmentation, unless the scene's regions are kept.
   void prepare(Scene& scene, std::uint64_t seed, std::int64_t place) const override;
 
   /// Objects whose centre is outside of the network's range are left out. Terms, as they add up to
@@ -91,9 +99,12 @@ class PvRcnnTrainee : public Trainee {
   struct Pass;
   Parts parts() const;
   pv_rcnn::SceneObjects objects_in_range(std::span<const Scene> scenes) const;
+  void network_terms(Pass& pass, std::span<const Scene> scenes, const Step& step);
   void first_stage_terms(Pass& pass) const;
   void second_stage_terms(Pass& pass, const Step& step);
-  void head_terms(Pass& pass, const Step& step);
+  void kept_terms(Pass& pass, std::span<const Scene> scenes, const Step& step);
+  void head_terms(Pass& pass, const heads::HeadInput& input, const at::Tensor& targets);
+  heads::HeadInput drawn_input(const Pass& pass, const Step& step) const;
 
   PvRcnnTraineeOptions options_;
   std::shared_ptr<detectors::pv_rcnn::Network> network_;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +29,10 @@ struct SceneObject {
   int difficulty = 0;
 };
 
+namespace pv_rcnn {
+struct KeptRegions;
+}
+
 /// A scan with its objects. LiDAR frame, metres.
 struct Scene {
   /// Columns x, y, z, intensity in 0..1.
@@ -36,6 +42,10 @@ struct Scene {
   std::optional<io::KittiPlane> ground;
   /// File or seed that the scene is from, for messages.
   std::string source;
+  /// What frozen stages made of it once (pv_rcnn/kept_regions.h), in place of points and objects.
+  std::shared_ptr<const pv_rcnn::KeptRegions> regions;
+  /// Where to keep that, if it is to be kept.
+  std::filesystem::path regions_file;
 };
 
 /// Scenes by number. Thread-safe, and a scene depends on its number alone, so that runs can be

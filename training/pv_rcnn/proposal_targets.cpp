@@ -57,6 +57,11 @@ Fit fit(std::span<const Box> boxes, std::span<const std::int64_t> labels,
   return result;
 }
 
+std::span<const std::int64_t> whole_numbers(const Tensor& tensor, Tensor& keep) {
+  keep = tensor.to(at::kCPU, at::kLong).contiguous();
+  return {keep.data_ptr<std::int64_t>(), static_cast<std::size_t>(keep.numel())};
+}
+
 /// Draws rows of a scan's proposals; every draw has its own index of the stream.
 class Draw {
  public:
@@ -142,33 +147,48 @@ std::vector<std::size_t> scan_starts(std::span<const std::int64_t> scenes, std::
   return starts;
 }
 
+/// How well proposals fit the objects of their scans, scan by scan.
+class ScanFits {
+ public:
+  ScanFits(const detectors::pv_rcnn::Proposals& proposals, const SceneObjects& objects)
+      : objects_(objects), rows_(proposals.boxes.detach()) {
+    boxes_ = internal::to_boxes(
+        at::cat({rows_.slice(1, 0, 3), rows_.slice(1, 3, 6).clamp(kLeastSize, kLargestSize),
+                 rows_.slice(1, 6, 7)},
+                1));
+    labels_ = whole_numbers(proposals.labels, keep_labels_);
+    Tensor scenes;
+    starts_ = scan_starts(whole_numbers(proposals.scene, scenes), objects.size());
+  }
+
+  const Tensor& rows() const { return rows_; }
+  std::size_t start(std::size_t scan) const { return starts_[scan]; }
+  Fit of(std::size_t scan) const {
+    const std::size_t start = starts_[scan], count = starts_[scan + 1] - start;
+    return fit(std::span(boxes_).subspan(start, count), labels_.subspan(start, count),
+               objects_[scan]);
+  }
+
+ private:
+  const SceneObjects& objects_;
+  Tensor rows_, keep_labels_;
+  std::vector<Box> boxes_;
+  std::span<const std::int64_t> labels_;
+  std::vector<std::size_t> starts_;
+};
+
 }  // namespace
 
 ProposalTargets draw_proposals(const detectors::pv_rcnn::Proposals& proposals,
                                const SceneObjects& objects, const ProposalTargetOptions& options,
                                bool ignore_similar, std::uint64_t seed, std::int64_t first_scene) {
   require_valid(options);
-  const Tensor rows = proposals.boxes.detach();
-  const std::vector<Box> boxes = internal::to_boxes(
-      at::cat({rows.slice(1, 0, 3), rows.slice(1, 3, 6).clamp(kLeastSize, kLargestSize),
-               rows.slice(1, 6, 7)},
-              1));
-  const auto numbers = [](const Tensor& tensor, Tensor& keep) {
-    keep = tensor.to(at::kCPU, at::kLong).contiguous();
-    return std::span<const std::int64_t>(keep.data_ptr<std::int64_t>(),
-                                         static_cast<std::size_t>(keep.numel()));
-  };
-  Tensor keep_labels, keep_scenes;
-  const auto labels = numbers(proposals.labels, keep_labels);
-  const auto starts = scan_starts(numbers(proposals.scene, keep_scenes), objects.size());
-
+  const ScanFits scans(proposals, objects);
   std::vector<std::int64_t> drawn, foreground;
   std::vector<double> iou, confidence;
   std::vector<SceneObject> targets;
   for (std::size_t scan = 0; scan < objects.size(); ++scan) {
-    const std::size_t start = starts[scan], count = starts[scan + 1] - start;
-    const Fit fits =
-        fit(std::span(boxes).subspan(start, count), labels.subspan(start, count), objects[scan]);
+    const Fit fits = scans.of(scan);
     const RandomStream random(seed, static_cast<std::uint64_t>(first_scene) + scan,
                               internal::kSampledProposals);
     for (const std::size_t row : Draw(options, random).rows(fits.iou)) {
@@ -176,21 +196,37 @@ ProposalTargets draw_proposals(const detectors::pv_rcnn::Proposals& proposals,
         foreground.push_back(static_cast<std::int64_t>(drawn.size()));
         targets.push_back(objects[scan][fits.object[row]]);
       }
-      drawn.push_back(static_cast<std::int64_t>(start + row));
+      drawn.push_back(static_cast<std::int64_t>(scans.start(scan) + row));
       iou.push_back(fits.iou[row]);
       confidence.push_back(
           confidence_of(fits.iou[row], fits.similar_iou[row], options, ignore_similar));
     }
   }
   const Tensor index = internal::to_tensor(drawn);
-  const at::ScalarType type = rows.scalar_type();
-  return {.boxes = rows.index_select(0, index),
+  const at::ScalarType type = scans.rows().scalar_type();
+  return {.boxes = scans.rows().index_select(0, index),
           .labels = proposals.labels.index_select(0, index),
           .scene = proposals.scene.index_select(0, index),
           .iou = internal::to_tensor(iou, type),
           .confidence = internal::to_tensor(confidence, type),
           .foreground = internal::to_tensor(foreground),
           .objects = internal::to_rows(targets, type)};
+}
+
+MatchedProposals match_proposals(const detectors::pv_rcnn::Proposals& proposals,
+                                 const SceneObjects& objects, double least_iou) {
+  const ScanFits scans(proposals, objects);
+  std::vector<std::int64_t> rows;
+  std::vector<SceneObject> targets;
+  for (std::size_t scan = 0; scan < objects.size(); ++scan) {
+    const Fit fits = scans.of(scan);
+    for (std::size_t row = 0; row < fits.iou.size(); ++row) {
+      if (fits.object[row] < 0 || fits.iou[row] < least_iou) continue;
+      rows.push_back(static_cast<std::int64_t>(scans.start(scan) + row));
+      targets.push_back(objects[scan][fits.object[row]]);
+    }
+  }
+  return {internal::to_tensor(rows), internal::to_rows(targets, scans.rows().scalar_type())};
 }
 
 Tensor aligned_boxes(const Tensor& boxes, const Tensor& regions) {

@@ -67,6 +67,17 @@ ProposalTargets draw_proposals(const detectors::pv_rcnn::Proposals& proposals,
                                const SceneObjects& objects, const ProposalTargetOptions& options,
                                bool ignore_similar, std::uint64_t seed, std::int64_t first_scene);
 
+/// Proposals that overlap an object.
+struct MatchedProposals {
+  at::Tensor rows;     ///< (F) int64 rows of the proposals, rising.
+  at::Tensor objects;  ///< (F, 7) the box of the object of its class that each overlaps most.
+};
+
+/// Every proposal with an IoU of at least `least_iou` with an object of its class. Throws
+/// InvalidArgument as draw_proposals does.
+MatchedProposals match_proposals(const detectors::pv_rcnn::Proposals& proposals,
+                                 const SceneObjects& objects, double least_iou);
+
 /// boxes (F, 7) with their headings turned by half a turn where that brings them within a right
 /// angle of the regions' (F, 7) headings: the box that a region in its own direction can find.
 at::Tensor aligned_boxes(const at::Tensor& boxes, const at::Tensor& regions);

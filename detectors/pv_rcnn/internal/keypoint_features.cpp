@@ -123,7 +123,7 @@ KeypointWeighting::KeypointWeighting(const KeypointOptions& options, std::int64_
 }
 
 at::Tensor KeypointWeighting::forward(const at::Tensor& gathered) const {
-  return network_.front().forward(gathered, false).squeeze(1);
+  return network_.front().forward(gathered).squeeze(1);
 }
 
 }  // namespace arbox::detectors::pv_rcnn::internal

@@ -77,10 +77,9 @@ at::Tensor RegionHead::pooled(const Keypoints& keypoints, const at::Tensor& regi
 
 SecondStage RegionHead::forward(const Keypoints& keypoints, const at::Tensor& regions,
                                 const at::Tensor& scene) {
-  const at::Tensor features =
-      networks_[kShared].forward(pooled(keypoints, regions, scene), is_training());
-  return {features, networks_[kConfidence].forward(features, is_training()).squeeze(1),
-          networks_[kResiduals].forward(features, is_training())};
+  const at::Tensor features = networks_[kShared].forward(pooled(keypoints, regions, scene));
+  return {features, networks_[kConfidence].forward(features).squeeze(1),
+          networks_[kResiduals].forward(features)};
 }
 
 }  // namespace arbox::detectors::pv_rcnn::internal

@@ -62,10 +62,10 @@ bool RowNetwork::drops_after(std::size_t layer) const {
   return shape_.places == Dropout::kAfterFirst && layer == 0;
 }
 
-at::Tensor RowNetwork::forward(at::Tensor rows, bool training) const {
+at::Tensor RowNetwork::forward(at::Tensor rows) const {
   for (std::size_t i = 0; i < layers_.size(); ++i) {
     rows = layers_[i].forward(rows);
-    if (training && drops_after(i)) rows = at::dropout(rows, shape_.dropout, true);
+    if (drops_after(i)) rows = at::dropout(rows, shape_.dropout, layers_[i].is_training());
   }
   return shape_.out == 0 ? rows : at::linear(rows, weight_.flatten(1), bias_);
 }

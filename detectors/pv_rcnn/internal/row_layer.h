@@ -27,6 +27,8 @@ class RowLayer {
 
   /// (N, in) to (N, out).
   at::Tensor forward(const at::Tensor& rows) const;
+  /// False for a layer in eval mode, such as a frozen one.
+  bool is_training() const { return norm_->is_training(); }
 
  private:
   at::Tensor weight_;
@@ -50,8 +52,8 @@ class RowNetwork {
   };
 
   RowNetwork(torch::nn::Module& sequence, Shape shape);
-  /// `training`: apply dropout.
-  at::Tensor forward(at::Tensor rows, bool training) const;
+  /// Drops features behind layers that are training.
+  at::Tensor forward(at::Tensor rows) const;
 
   /// Of the last layer: (out, in, 1...) and (out).
   const at::Tensor& last_weight() const { return weight_; }

@@ -177,6 +177,12 @@ void add_evaluate_uncertainty(CLI::App& evaluate) {
                    "sizes (arbox detect --samples)")
       ->check(CLI::IsMember({"told", "gaussian"}))
       ->capture_default_str();
+  command
+      ->add_option("--sample-confidence", flags->options.sample_confidences,
+                   "Score also boxes that hold the share P of a detection's own samples (arbox "
+                   "detect --samples)")
+      ->type_name("P")
+      ->check(CLI::Range(0.0, 1.0));
   command->add_option("--json", flags->json, "Write the report there; - for standard output")
       ->type_name("FILE");
   command

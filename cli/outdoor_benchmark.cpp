@@ -113,6 +113,13 @@ std::vector<Contestant> contestants(const OutdoorBenchmarkOptions& options, bool
   return result;
 }
 
+/// What quantile boxes promise.
+std::vector<double> promised(const std::vector<double>& quantiles) {
+  std::vector<double> ps;
+  for (const double q : quantiles) ps.push_back(1.0 - q);
+  return ps;
+}
+
 /// Detections with a quantile box in the place of each one's own.
 std::vector<Detection> with_quantile_box(std::vector<Detection> detections, double q) {
   for (Detection& detection : detections) {
@@ -163,7 +170,8 @@ class Results {
       result.push_back({.name = one.name,
                         .report = evaluation::evaluate_uncertainty(
                             one.scans, {.classes = {"Car", "Pedestrian", "Cyclist"},
-                                        .min_score = options_.found_score})});
+                                        .min_score = options_.found_score,
+                                        .sample_confidences = promised(options_.quantiles)})});
     }
     return result;
   }
@@ -186,7 +194,7 @@ class Results {
     auto place = std::find_if(found_.begin(), found_.end(),
                               [&](const FoundScans& one) { return one.name == name; });
     if (place == found_.end()) place = found_.insert(found_.end(), {name, {}});
-    for (Detection& detection : found) detection.samples = {};
+    std::erase_if(found, [&](const Detection& one) { return one.score < options_.found_score; });
     place->scans.push_back({.detections = std::move(found), .objects = objects});
   }
 

@@ -66,14 +66,15 @@ std::string recall_table(const OutdoorBenchmark& benchmark) {
 
 std::string uncertainty_table(const OutdoorBenchmark& benchmark) {
   std::string result = header({"detector", "found", "mean IoU", "F1 of means", "ROC AUC",
-                               "Spearman", "contained, by q (promised)", "by p (promised)"});
+                               "Spearman", "contained, by q (promised)",
+                               "by p of the samples (promised)", "by p, calibrated (promised)"});
   for (const NamedUncertainty& one : benchmark.uncertainty) {
     const auto& all = one.report.all;
     result += text("| %s | %zu of %zu | %.3f | %.3f |", one.name.c_str(), all.found, all.objects,
                    all.mean_iou, all.f1_of_means);
     result += all.roc_auc ? text(" %.3f |", *all.roc_auc) : " - |";
     result += all.spearman ? text(" %.3f |", *all.spearman) : " - |";
-    for (const auto* levels : {&all.quantile_boxes, &all.confidence_boxes}) {
+    for (const auto* levels : {&all.quantile_boxes, &all.sample_boxes, &all.confidence_boxes}) {
       for (const auto& level : *levels) {
         result += text(" %g: %.3f (%.2f)", level.level, level.contained, level.promised);
       }

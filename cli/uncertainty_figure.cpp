@@ -70,6 +70,7 @@ drawing::Image draw_uncertainty(const UncertaintyReport& report) {
     if (!panel.series.empty()) panels.push_back(std::move(panel));
   };
   add("quantile boxes", &evaluation::UncertaintyFigures::quantile_boxes);
+  add("boxes that hold p of the samples", &evaluation::UncertaintyFigures::sample_boxes);
   add("confidence boxes", &evaluation::UncertaintyFigures::confidence_boxes);
   panels.push_back(uncertainty_panel(report));
   return drawing::draw_figure(panels,
@@ -79,12 +80,18 @@ drawing::Image draw_uncertainty(const UncertaintyReport& report) {
 
 drawing::Image draw_containment(std::span<const NamedUncertainty> detectors,
                                 const std::string& title) {
-  drawing::Panel panel = promise_panel("quantile boxes");
-  for (const NamedUncertainty& detector : detectors) {
-    if (detector.report.all.quantile_boxes.empty()) continue;
-    panel.series.push_back(promise_line(detector.name, detector.report.all.quantile_boxes));
-  }
-  return drawing::draw_figure(std::vector{panel}, {.title = title});
+  std::vector<drawing::Panel> panels;
+  const auto add = [&](const char* kind, auto levels) {
+    drawing::Panel panel = promise_panel(kind);
+    for (const NamedUncertainty& detector : detectors) {
+      const auto& of_all = detector.report.all.*levels;
+      if (!of_all.empty()) panel.series.push_back(promise_line(detector.name, of_all));
+    }
+    if (panels.empty() || !panel.series.empty()) panels.push_back(std::move(panel));
+  };
+  add("quantile boxes of q = 1 - p", &evaluation::UncertaintyFigures::quantile_boxes);
+  add("boxes that hold p of the samples", &evaluation::UncertaintyFigures::sample_boxes);
+  return drawing::draw_figure(panels, {.title = title});
 }
 
 }  // namespace arbox::cli

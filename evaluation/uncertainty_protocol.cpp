@@ -9,6 +9,7 @@
 #include "arbox/evaluation/box_estimation.h"
 #include "arbox/evaluation/center_matching.h"
 #include "arbox/evaluation/ranking.h"
+#include "arbox/geometry/confidence_box.h"
 #include "arbox/geometry/overlap.h"
 
 namespace arbox::evaluation {
@@ -36,11 +37,12 @@ struct Contained {
 struct Sums {
   std::size_t objects = 0, found = 0, wrong = 0;
   double iou = 0.0, iog = 0.0, f1 = 0.0;
-  std::map<double, Contained> quantile, confidence;
+  std::map<double, Contained> quantile, sampled, confidence;
   std::vector<double> uncertainty, uncertain_iou;
   std::vector<bool> uncertain_wrong;
 
   void add(const Detection& detection, const Detection& object, const BoxError& error,
+           std::span<const geometry::ConfidenceBox> sample_boxes,
            const UncertaintyOptions& options) {
     ++found;
     iou += error.iou;
@@ -56,6 +58,7 @@ struct Sums {
     };
     for (const auto& box : detection.quantile_boxes) count(quantile[box.q], box.box);
     for (const auto& box : detection.confidence_boxes) count(confidence[box.p], box.box);
+    for (const auto& box : sample_boxes) count(sampled[box.p], box.box);
     if (!detection.uncertainty) return;
     if (!std::isfinite(*detection.uncertainty)) {
       throw InvalidArgument("evaluate_uncertainty: expected a finite uncertainty, got " +
@@ -66,6 +69,12 @@ struct Sums {
     uncertain_wrong.push_back(is_wrong);
   }
 };
+
+std::vector<geometry::ConfidenceBox> sample_boxes(const Detection& detection,
+                                                  const UncertaintyOptions& options) {
+  if (detection.samples.empty() || options.sample_confidences.empty()) return {};
+  return geometry::confidence_boxes({.boxes = detection.samples}, options.sample_confidences);
+}
 
 std::vector<PromisedContainment> promises(const std::map<double, Contained>& levels,
                                           bool quantiles) {
@@ -93,6 +102,7 @@ UncertaintyFigures figures_of(const std::string& label, const Sums& sums) {
   const double both = figures.mean_iou + figures.mean_iog;
   figures.f1_of_means = both > 0 ? 2.0 * figures.mean_iou * figures.mean_iog / both : 0.0;
   figures.quantile_boxes = promises(sums.quantile, true);
+  figures.sample_boxes = promises(sums.sampled, false);
   figures.confidence_boxes = promises(sums.confidence, false);
   figures.roc_auc = roc_auc(sums.uncertainty, sums.uncertain_wrong);
   figures.spearman = spearman_correlation(sums.uncertainty, sums.uncertain_iou);
@@ -137,8 +147,9 @@ UncertaintyReport evaluate_uncertainty(std::span<const UncertaintyScan> scans,
       if (of_class == sums.end()) continue;
       const BoxError error =
           box_error(detection.box, object.box, geometry::BoxSymmetry::kHalfTurns);
-      of_class->second.add(detection, object, error, options);
-      all.add(detection, object, error, options);
+      const auto sampled = sample_boxes(detection, options);
+      of_class->second.add(detection, object, error, sampled, options);
+      all.add(detection, object, error, sampled, options);
       report.found.push_back({.label = object.label,
                               .iou = error.iou,
                               .iog = error.iog,

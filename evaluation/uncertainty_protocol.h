@@ -33,6 +33,9 @@ struct UncertaintyOptions {
   double max_distance = 2.0;
   /// The share of the true box that counts as containing it.
   double min_iog = kContainedIog;
+  /// Confidence boxes at these p are made from the detections' samples and scored beside those that
+  /// they bring: what their distributions promise before any calibration.
+  std::vector<double> sample_confidences = {};
   /// Boxes with an IoU below this are wrong; the uncertainty should tell which (paper, section
   /// 5.3).
   double wrong_iou = 0.25;
@@ -67,7 +70,7 @@ struct UncertaintyFigures {
   /// averaged over the objects.
   double mean_iou = 0.0, mean_iog = 0.0, f1_of_means = 0.0, mean_f1 = 0.0;
   /// By level, rising.
-  std::vector<PromisedContainment> quantile_boxes, confidence_boxes;
+  std::vector<PromisedContainment> quantile_boxes, sample_boxes, confidence_boxes;
   /// Over the found objects that have an uncertainty: area under the ROC curve of telling wrong
   /// boxes, and rank correlation with the IoU (the nearer to -1 the better). Empty where they are
   /// not defined, such as without a wrong box.
@@ -107,6 +110,7 @@ ShareInterval share_interval(std::size_t hits, std::size_t trials);
 ///  "min_score": 0.3, "classes": {"Car": {"objects": 9, "found": 8, "wrong": 1, "mean_iou": ...,
 ///  "mean_iog": ..., "f1_of_means": ..., "mean_f1": ..., "roc_auc": ..., "spearman": ...,
 ///  "quantile_boxes": [{"q": 0.1, "promised": 0.9, "contained": 0.88, "boxes": 8}],
+///  "sample_boxes": [{"p": 0.9, "promised": 0.9, "contained": 0.89, "boxes": 8}],
 ///  "confidence_boxes": [{"p": 0.9, "promised": 0.9, "contained": 0.91, "boxes": 8}]}},
 ///  "all": {...}}; figures that are not defined are null.
 std::string to_json(const UncertaintyReport& report);

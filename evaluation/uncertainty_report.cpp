@@ -42,6 +42,7 @@ Json figures_json(const UncertaintyFigures& figures) {
           {"roc_auc", number_or_null(figures.roc_auc)},
           {"spearman", number_or_null(figures.spearman)},
           {"quantile_boxes", levels_json(figures.quantile_boxes, "q")},
+          {"sample_boxes", levels_json(figures.sample_boxes, "p")},
           {"confidence_boxes", levels_json(figures.confidence_boxes, "p")}};
 }
 
@@ -104,6 +105,7 @@ std::string to_table(const UncertaintyReport& report) {
   for (const UncertaintyFigures& figures : report.classes) text += figures_row(figures);
   text += figures_row(report.all);
   text += levels_table(report, "quantile q", &UncertaintyFigures::quantile_boxes);
+  text += levels_table(report, "samples p", &UncertaintyFigures::sample_boxes);
   text += levels_table(report, "confidence p", &UncertaintyFigures::confidence_boxes);
   return text;
 }

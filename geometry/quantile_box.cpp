@@ -224,15 +224,4 @@ std::vector<QuantileBox> quantile_boxes(std::span<const Box> samples, std::span<
   return quantile_boxes(BoxSamples{.boxes = samples}, qs, options);
 }
 
-std::vector<ConfidenceBox> confidence_boxes(const BoxSamples& samples, std::span<const double> ps,
-                                            const QuantileOptions& options) {
-  std::vector<double> qs;
-  // Rounded, so that p = 0.9 asks for the double 0.1.
-  for (const double p : ps) qs.push_back(std::round((1.0 - p) * 1e15) / 1e15);
-  std::vector<ConfidenceBox> result;
-  const auto boxes = quantile_boxes(samples, qs, options);
-  for (std::size_t i = 0; i < ps.size(); ++i) result.push_back({.p = ps[i], .box = boxes[i].box});
-  return result;
-}
-
 }  // namespace arbox::geometry

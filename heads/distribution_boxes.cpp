@@ -5,15 +5,15 @@
 #include <utility>
 
 #include "arbox/base/options.h"
+#include "arbox/geometry/confidence_box.h"
 #include "arbox/heads/internal/finite_boxes.h"
 
 namespace arbox::heads {
 namespace {
 
-/// Every q that is asked for: the quantiles, those of the confidences, the two of the uncertainty.
+/// The quantiles that are asked for and the two of the uncertainty.
 std::vector<double> all_quantiles(const DistributionBoxOptions& options) {
   std::vector<double> qs = options.quantiles;
-  for (const double p : options.confidences) qs.push_back(1.0 - p);
   qs.push_back(options.uncertainty_first);
   qs.push_back(options.uncertainty_second);
   return qs;
@@ -23,10 +23,6 @@ void distribute(std::vector<geometry::QuantileBox> boxes, const DistributionBoxO
                 ObjectBoxes& object) {
   object.uncertainty =
       geometry::quantile_uncertainty(boxes[boxes.size() - 2].box, boxes[boxes.size() - 1].box);
-  for (std::size_t i = 0; i < options.confidences.size(); ++i) {
-    object.confidence_boxes.push_back(
-        {options.confidences[i], boxes[options.quantiles.size() + i].box});
-  }
   boxes.resize(options.quantiles.size());
   object.quantile_boxes = std::move(boxes);
 }
@@ -55,11 +51,14 @@ DistributionBoxes distribution_boxes(const BoxDistribution& distribution, const 
         {.boxes = object.samples,
          .object = static_cast<std::uint64_t>(streams.object_ids[i].item<std::int64_t>())});
   }
-  auto boxes = geometry::quantile_boxes(
-      usable, all_quantiles(options),
-      {.points_per_box = options.points_per_box, .seed = streams.seed, .threads = options.threads});
+  const geometry::QuantileOptions quantile_options{
+      .points_per_box = options.points_per_box, .seed = streams.seed, .threads = options.threads};
+  auto boxes = geometry::quantile_boxes(usable, all_quantiles(options), quantile_options);
+  auto confidence = geometry::confidence_boxes(usable, options.confidences, quantile_options);
   for (std::size_t k = 0; k < owners.size(); ++k) {
-    distribute(std::move(boxes[k]), options, result.objects[owners[k]]);
+    ObjectBoxes& object = result.objects[owners[k]];
+    distribute(std::move(boxes[k]), options, object);
+    object.confidence_boxes = std::move(confidence[k]);
   }
   return result;
 }

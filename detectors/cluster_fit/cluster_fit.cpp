@@ -11,8 +11,8 @@
 #include "arbox/base/parallel.h"
 #include "arbox/detectors/cluster_fit/internal/box_fit.h"
 #include "arbox/detectors/cluster_fit/internal/stages.h"
+#include "arbox/geometry/confidence_box.h"
 #include "arbox/geometry/overlap.h"
-#include "arbox/geometry/quantile_box.h"
 
 namespace arbox::detectors {
 namespace {
@@ -50,25 +50,23 @@ void add_uncertainty(const std::vector<FittedObject>& objects, int count,
                        internal::sample_boxes(objects[i], count, request.seed, surroundings);
                  }
                });
-  // One pass answers all: the quantiles asked for, q = 1 - p for each confidence, and the two of U.
+  // One pass answers both: the quantiles asked for, and the two of U.
   std::vector<double> qs = request.quantiles;
-  for (const double p : request.confidences) qs.push_back(1.0 - p);
   qs.insert(qs.end(), {kUncertaintyLow, kUncertaintyHigh});
   std::vector<geometry::BoxSamples> samples;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     samples.push_back({.boxes = detections[i].samples, .object = objects[i].id});
   }
-  const auto boxes =
-      geometry::quantile_boxes(samples, qs, {.seed = request.seed, .threads = request.threads});
+  const geometry::QuantileOptions options{.seed = request.seed, .threads = request.threads};
+  const auto boxes = geometry::quantile_boxes(samples, qs, options);
+  const auto confidence = geometry::confidence_boxes(samples, request.confidences, options);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     geometry::Detection& detection = detections[i];
     auto next = boxes[i].begin();
     for (std::size_t k = 0; k < request.quantiles.size(); ++k) {
       detection.quantile_boxes.push_back(*next++);
     }
-    for (const double p : request.confidences) {
-      detection.confidence_boxes.push_back({.p = p, .box = (next++)->box});
-    }
+    detection.confidence_boxes = confidence[i];
     detection.uncertainty = geometry::quantile_uncertainty(next[0].box, next[1].box);
     if (!request.samples) detection.samples.clear();
   }

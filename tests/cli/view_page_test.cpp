@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -165,6 +166,40 @@ TEST_F(Browser, ShowsCloudBoxesSliderAndDetails) {
   EXPECT_GT(colors.size(), 300u);
   // The slider, its text and the quantile boxes.
   EXPECT_GT(differ, 500);
+}
+
+// Dispatches what a mouse does, and notes what the page shows then.
+const char kMouse[] = R"(<script>
+const middleOf = box => {
+  const c = [...Array(8).keys()].map(k => onScreen(corner(box.corners, k)));
+  return [0, 1].map(a => c.reduce((sum, p) => sum + p[a], 0) / 8 / devicePixelRatio);
+};
+const mouse = (type, x, y, more) => canvas.dispatchEvent(
+  new PointerEvent(type, {clientX: x, clientY: y, pointerId: 1, bubbles: true, ...more}));
+canvas.setPointerCapture = () => {};
+const tip = byId("tip"), seen = document.body.dataset, at = middleOf(boxes[0]);
+mouse("pointermove", at[0], at[1]);
+draw();
+seen.over = tip.style.display + " " + tip.textContent;
+seen.beside = Math.hypot(parseFloat(tip.style.left) - at[0], parseFloat(tip.style.top) - at[1]) < 400;
+mouse("pointermove", innerWidth - 3, innerHeight - 3);
+draw();
+seen.away = tip.style.display;
+const azimuth = view.azimuth, distance = view.distance;
+mouse("pointerdown", 600, 400, {buttons: 1});
+mouse("pointermove", 700, 400, {buttons: 1});
+mouse("pointerup", 700, 400);
+seen.turned = Math.abs(azimuth - view.azimuth - 0.5) < 1e-9;
+canvas.dispatchEvent(new WheelEvent("wheel", {deltaY: -80, cancelable: true}));
+seen.nearer = view.distance < distance;
+</script>)";
+
+TEST_F(Browser, MouseShowsDetailsTurnsAndZooms) {
+  std::ofstream(page(), std::ios::app) << kMouse;
+  const std::string dom = open("--dump-dom", "");
+  EXPECT_THAT(dom, ::testing::ContainsRegex("data-over=\"block [A-Z][a-z]+score0\\.[0-9]+"));
+  EXPECT_THAT(dom, AllOf(HasSubstr("data-beside=\"true\""), HasSubstr("data-away=\"none\""),
+                         HasSubstr("data-turned=\"true\""), HasSubstr("data-nearer=\"true\"")));
 }
 
 }  // namespace

@@ -66,6 +66,24 @@ TEST(Uncertainty, FiguresOfAHandMadeScan) {
   EXPECT_EQ(report.found[1].uncertainty, 0.8);
 }
 
+TEST(Uncertainty, BoxesOfTheSamplesAreScoredWhereTheyAreAskedFor) {
+  UncertaintyScan scan{.detections = {car_at(0)}, .objects = {car_at(0, 6)}};
+  // Lengths 1 to 10: the box that holds half of them is 5 long, that of 0.9 is 9 long.
+  for (int length = 1; length <= 10; ++length) {
+    scan.detections[0].samples.push_back(car_at(0, length).box);
+  }
+  EXPECT_TRUE(evaluate_uncertainty(std::vector{scan}).all.sample_boxes.empty());
+  const auto report =
+      evaluate_uncertainty(std::vector{scan}, {.sample_confidences = {0.5, 0.9}});
+  ASSERT_EQ(report.all.sample_boxes.size(), 2u);
+  EXPECT_EQ(report.all.sample_boxes[0].promised, 0.5);
+  EXPECT_EQ(report.all.sample_boxes[0].contained, 0.0);
+  EXPECT_EQ(report.all.sample_boxes[1].contained, 1.0);
+  EXPECT_THAT(to_table(report), ::testing::ContainsRegex("samples p +promised"));
+  const auto json = nlohmann::json::parse(to_json(report));
+  EXPECT_EQ(json.at("all").at("sample_boxes").at(1).at("p"), 0.9);
+}
+
 TEST(Uncertainty, RankingsAreThoseOfAllFoundObjects) {
   const RandomStream random(7, 0, 0);
   std::uint32_t draw = 0;

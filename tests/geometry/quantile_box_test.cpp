@@ -23,10 +23,6 @@ bool same_box(const Box& a, const Box& b, double tolerance = 1e-9) {
   return holds(a, b, tolerance) && holds(b, a, tolerance);
 }
 
-bool equal_bytes(const Box& a, const Box& b) {
-  return a.center == b.center && a.size == b.size && a.rotation.coeffs() == b.rotation.coeffs();
-}
-
 TEST(Occupancy, IsTheWeightOfTheBoxesThatHoldThePoint) {
   const std::vector<Box> samples = {
       make_yaw_box({0, 0, 0}, {2, 2, 2}, 0.3), make_yaw_box({0.5, 0, 0}, {2, 2, 2}, 0),
@@ -311,19 +307,6 @@ TEST(QuantileBox, FarFromTheOriginNothingIsLost) {
   for (std::size_t i = 0; i < qs.size(); ++i) {
     EXPECT_LT((here[i].box.size - there[i].box.size).norm(), 1e-8);
     EXPECT_FALSE(there[i].fallback);
-  }
-}
-
-TEST(QuantileBox, ConfidenceBoxesAreQuantileBoxes) {
-  std::mt19937_64 random(61);
-  const auto samples = scattered_samples(random, 10, 0.3, true);
-  const std::vector<double> ps = {0.9, 0.3, 1.0};
-  const std::vector<double> qs = {0.1, 0.7, 0.0};
-  const auto confidence = confidence_boxes({.boxes = samples}, ps);
-  const auto quantile = quantile_boxes(samples, qs);
-  for (std::size_t i = 0; i < ps.size(); ++i) {
-    EXPECT_EQ(confidence[i].p, ps[i]);
-    EXPECT_TRUE(equal_bytes(confidence[i].box, quantile[i].box));
   }
 }
 

@@ -93,6 +93,10 @@ inline std::vector<geometry::Box> nested_boxes(std::mt19937_64& random, int coun
   return boxes;
 }
 
+inline bool equal_bytes(const geometry::Box& a, const geometry::Box& b) {
+  return a.center == b.center && a.size == b.size && a.rotation.coeffs() == b.rotation.coeffs();
+}
+
 /// True if every corner of `inner` is within `tolerance` of `outer`.
 inline bool holds(const geometry::Box& outer, const geometry::Box& inner, double tolerance) {
   for (const Eigen::Vector3d& corner : geometry::corners(inner)) {

@@ -1,0 +1,112 @@
+#include "arbox/geometry/confidence_box.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "arbox/base/error.h"
+#include "arbox/base/parallel.h"
+#include "arbox/geometry/internal/sample_set.h"
+#include "arbox/geometry/overlap.h"
+
+namespace arbox::geometry {
+
+using internal::require_valid;
+
+namespace {
+
+constexpr int kLevels = 64;
+constexpr double kRounding = 1e-12;
+
+/// Rounded, so that p = 0.9 asks for the double 0.1.
+double quantile_of(double p) { return std::round((1.0 - p) * 1e15) / 1e15; }
+
+/// Falling to 0.
+std::vector<double> candidate_quantiles(std::span<const double> ps) {
+  std::vector<double> qs;
+  double highest = 0.0;
+  for (const double p : ps) {
+    qs.push_back(quantile_of(p));
+    highest = std::max(highest, qs.back());
+  }
+  for (int level = 0; level < kLevels && level <= highest * kLevels; ++level) {
+    qs.push_back(static_cast<double>(level) / kLevels);
+  }
+  std::sort(qs.begin(), qs.end(), std::greater<>());
+  qs.erase(std::unique(qs.begin(), qs.end()), qs.end());
+  return qs;
+}
+
+/// Shares that are asked for when they are needed.
+class HeldShares {
+ public:
+  HeldShares(const BoxSamples& samples, const std::vector<QuantileBox>& boxes)
+      : samples_(samples), boxes_(boxes), shares_(boxes.size(), -1.0) {}
+
+  double of(std::size_t i) {
+    if (shares_[i] < 0.0) shares_[i] = held_share(samples_, boxes_[i].box);
+    return shares_[i];
+  }
+
+ private:
+  const BoxSamples& samples_;
+  const std::vector<QuantileBox>& boxes_;
+  std::vector<double> shares_;
+};
+
+void require_probabilities(std::span<const double> ps) {
+  for (const double p : ps) {
+    if (p >= 0.0 && p <= 1.0) continue;
+    throw InvalidArgument("confidence_boxes: expected probabilities from 0 to 1, got " +
+                          std::to_string(p));
+  }
+}
+
+std::vector<ConfidenceBox> boxes_of(const BoxSamples& samples, std::span<const double> ps,
+                                    const std::vector<double>& qs,
+                                    const std::vector<QuantileBox>& boxes) {
+  HeldShares shares(samples, boxes);
+  std::vector<ConfidenceBox> result;
+  for (const double p : ps) {
+    std::size_t i = std::find(qs.begin(), qs.end(), quantile_of(p)) - qs.begin();
+    while (i + 1 < qs.size() && shares.of(i) < p - kRounding) ++i;
+    result.push_back({.p = p, .box = boxes[i].box});
+  }
+  return result;
+}
+
+}  // namespace
+
+double held_share(const BoxSamples& samples, const Box& box, double min_iog) {
+  require_valid(samples, "held_share");
+  const auto covered = overlap_matrix(std::span(&box, 1), samples.boxes,
+                                      {.measure = Overlap::kIog, .threads = 1});
+  double held = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < samples.boxes.size(); ++i) {
+    const double weight = samples.weights.empty() ? 1.0 : samples.weights[i];
+    all += weight;
+    if (covered(0, static_cast<Eigen::Index>(i)) > min_iog) held += weight;
+  }
+  return held / all;
+}
+
+std::vector<std::vector<ConfidenceBox>> confidence_boxes(std::span<const BoxSamples> objects,
+                                                         std::span<const double> ps,
+                                                         const QuantileOptions& options) {
+  require_probabilities(ps);
+  std::vector<std::vector<ConfidenceBox>> result(objects.size());
+  if (ps.empty()) return result;
+  const std::vector<double> qs = candidate_quantiles(ps);
+  const auto boxes = quantile_boxes(objects, qs, options);
+  parallel_for(std::ssize(objects), 1, options.threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) result[i] = boxes_of(objects[i], ps, qs, boxes[i]);
+  });
+  return result;
+}
+
+std::vector<ConfidenceBox> confidence_boxes(const BoxSamples& samples, std::span<const double> ps,
+                                            const QuantileOptions& options) {
+  return confidence_boxes(std::span(&samples, 1), ps, options).front();
+}
+
+}  // namespace arbox::geometry

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "arbox/geometry/quantile_box.h"
+
+/// \file
+/// Boxes that hold a chosen share of an object's samples.
+///
+/// The quantile box for q = 1 - p holds that share only where the samples are ordered (theorem 1).
+/// Where several faces are unsure at once it holds less: with six faces that each stay inside with
+/// probability 0.9, about half of the samples stick out somewhere. A confidence box therefore goes
+/// on to lower q until it holds what it promises of the samples themselves.
+
+namespace arbox::geometry {
+
+/// The share of a box that counts as holding it (paper, section 5.2).
+inline constexpr double kHeldIog = 0.95;
+
+/// The part of the samples' weight that `box` holds: samples with more than `min_iog` of their
+/// volume inside. Throws InvalidArgument for no samples, bad boxes or weights.
+double held_share(const BoxSamples& samples, const Box& box, double min_iog = kHeldIog);
+
+/// The same for many objects, in parallel; result i belongs to objects[i]. No objects: no results.
+std::vector<std::vector<ConfidenceBox>> confidence_boxes(std::span<const BoxSamples> objects,
+                                                         std::span<const double> ps,
+                                                         const QuantileOptions& options = {});
+
+}  // namespace arbox::geometry

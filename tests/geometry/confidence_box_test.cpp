@@ -1,0 +1,81 @@
+#include "arbox/geometry/confidence_box.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "arbox/base/error.h"
+#include "support/box_samples.h"
+
+namespace {
+
+using namespace arbox::geometry;
+using namespace arbox::testing;
+using arbox::InvalidArgument;
+
+TEST(ConfidenceBox, OfOrderedSamplesAreQuantileBoxes) {
+  std::mt19937_64 random(61);
+  const auto samples = nested_boxes(random, 10, false);
+  const std::vector<double> ps = {0.9, 0.3, 1.0};
+  const std::vector<double> qs = {0.1, 0.7, 0.0};
+  const auto confidence = confidence_boxes({.boxes = samples}, ps);
+  const auto quantile = quantile_boxes(samples, qs);
+  for (std::size_t i = 0; i < ps.size(); ++i) {
+    EXPECT_EQ(confidence[i].p, ps[i]);
+    EXPECT_TRUE(equal_bytes(confidence[i].box, quantile[i].box));
+  }
+}
+
+TEST(ConfidenceBox, HoldsItsShareOfSamplesWhoseFacesAreAllUnsure) {
+  std::mt19937_64 random(62);
+  double quantile_held = 0.0;
+  for (int object = 0; object < 20; ++object) {
+    const auto samples = scattered_samples(random, 64, 0.3, true);
+    const std::vector<double> ps = {0.95, 0.5, 0.8, 0.9};
+    const auto boxes = confidence_boxes({.boxes = samples}, ps);
+    for (const ConfidenceBox& box : boxes) {
+      EXPECT_GE(held_share({.boxes = samples}, box.box), box.p - 1e-12) << object;
+    }
+    EXPECT_LE(volume(boxes[1].box), volume(boxes[2].box) + 1e-9);
+    const Box plain = quantile_boxes(samples, std::vector{0.5})[0].box;
+    quantile_held += held_share({.boxes = samples}, plain) / 20;
+    EXPECT_GE(volume(boxes[1].box), volume(plain) - 1e-9);
+  }
+  EXPECT_LT(quantile_held, 0.4) << "or the quantile box alone would do";
+}
+
+TEST(ConfidenceBox, HeldSharesCountWeightsAndVolume) {
+  const std::vector<Box> samples = {make_yaw_box({0, 0, 0}, {4, 2, 2}, 0),
+                                    make_yaw_box({0, 0, 0}, {4.1, 2, 2}, 0),
+                                    make_yaw_box({0, 0, 0}, {8, 2, 2}, 0)};
+  const Box box = samples[0];
+  EXPECT_NEAR(held_share({.boxes = samples}, box), 2.0 / 3, 1e-12);
+  EXPECT_NEAR(held_share({.boxes = samples}, box, 0.99), 1.0 / 3, 1e-12);
+  const std::vector<double> weights = {1.0, 0.0, 3.0};
+  EXPECT_NEAR(held_share({.boxes = samples, .weights = weights}, box), 0.25, 1e-12);
+}
+
+TEST(ConfidenceBox, ManyObjectsAreThoseOneByOneAndBadInputIsRefused) {
+  std::mt19937_64 random(63);
+  const auto first = scattered_samples(random, 16, 0.3, false);
+  const auto second = scattered_samples(random, 16, 0.3, true);
+  const std::vector<BoxSamples> objects = {{.boxes = first, .object = 4},
+                                           {.boxes = second, .object = 5}};
+  const std::vector<double> ps = {0.5, 0.9};
+  const auto together = confidence_boxes(objects, ps, {.threads = 2});
+  ASSERT_EQ(together.size(), 2u);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const auto alone = confidence_boxes(objects[i], ps);
+    for (std::size_t k = 0; k < ps.size(); ++k) {
+      EXPECT_TRUE(equal_bytes(together[i][k].box, alone[k].box));
+    }
+  }
+  EXPECT_EQ(confidence_boxes(objects, {}).front().size(), 0u);
+  EXPECT_THROW(confidence_boxes({.boxes = first}, std::vector{1.1}), InvalidArgument);
+  EXPECT_THROW(confidence_boxes({.boxes = first}, std::vector{std::nan("")}), InvalidArgument);
+  EXPECT_THROW(confidence_boxes(BoxSamples{}, ps), InvalidArgument);
+  EXPECT_THROW(held_share(BoxSamples{}, objects[0].boxes[0]), InvalidArgument);
+}
+
+}  // namespace

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/commands.h"
@@ -14,6 +15,7 @@
 #include "arbox/cli/model_info.h"
 #include "arbox/cli/option_flags.h"
 #include "arbox/cli/standard_input.h"
+#include "arbox/io/model_search.h"
 
 namespace arbox::cli {
 namespace {
@@ -111,11 +113,26 @@ void print_table(const std::string& path, const io::PointCloudFile& file) {
   }
 }
 
+/// An installed model of that name, unless something else is called so.
+std::optional<std::filesystem::path> installed_model(const std::string& name) {
+  std::error_code ignored;
+  if (std::filesystem::exists(name, ignored)) return std::nullopt;
+  for (const std::filesystem::path& folder : io::model_folders()) {
+    const std::filesystem::path file = folder / (name + ".arbox");
+    if (std::filesystem::exists(file, ignored)) return file;
+  }
+  return std::nullopt;
+}
+
 void info(const InfoFlags& flags) {
   if (flags.path.empty()) throw UsageError("info: expected a file, a folder or a subcommand");
   std::error_code ignored;
   if (std::filesystem::is_directory(flags.path, ignored)) {
     info_dataset({flags.path, flags.dataset, flags.splits, flags.json});
+    return;
+  }
+  if (const auto model = installed_model(flags.path)) {
+    print_model(model->string(), flags.json);
     return;
   }
   if (is_model_file(flags.path)) {
@@ -140,7 +157,8 @@ void add_info(CLI::App& app) {
   const auto flags = std::make_shared<InfoFlags>();
   command
       ->add_option("file", flags->path,
-                   "Point cloud (- for standard input), model or folder of a dataset")
+                   "Point cloud (- for standard input), model (a file, or the name of an "
+                   "installed one) or folder of a dataset")
       ->type_name("FILE|DATASET");
   add_option_flags(*command, bind_options(flags->read), {"keep_non_finite", "scale_intensity"});
   add_dataset_flags(*command, flags->dataset, flags->splits);
@@ -150,6 +168,7 @@ void add_info(CLI::App& app) {
                 {"arbox info nuscenes.pcd.bin --channels 5 --json", "A .bin of five columns"},
                 {"arbox info rooms.npz --array pc", "One array of an archive"},
                 {"arbox info car.arbox", "A model: classes, configuration, calibration"},
+                {"arbox info pv_rcnn_compact", "The same of the model that comes with Arbox"},
                 {"arbox info my_data", "A dataset: classes, sizes, and mistakes in its labels"},
                 {"arbox info kitti ROOT", "A KITTI folder: counts, missing and broken files"}});
   add_info_kitti(*command);

@@ -67,7 +67,8 @@ std::string to_json(const OutdoorBenchmark& benchmark);
 /// Tables in Markdown: IoU, IoG, promises and uncertainty, speed.
 std::string to_markdown(const OutdoorBenchmark& benchmark);
 
-/// Average precision of every row, IoU beside IoG: a panel for each class (moderate).
+/// Average precision of cars (moderate), IoU beside IoG: a panel for each head, with the pointwise
+/// boxes first, and one for cluster_fit.
 drawing::Image draw_average_precision(const OutdoorBenchmark& benchmark);
 
 }  // namespace arbox::cli

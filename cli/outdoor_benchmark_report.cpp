@@ -13,6 +13,8 @@ namespace {
 using evaluation::KittiReport;
 using io::Json;
 
+constexpr char kPointwise[] = "pointwise";
+
 template <class... Values>
 std::string text(const char* format, Values... values) {
   std::array<char, 256> line{};
@@ -85,6 +87,28 @@ std::string uncertainty_table(const OutdoorBenchmark& benchmark) {
   return result;
 }
 
+/// Bars of the boxes of a detector; beside those of a head the pointwise ones.
+drawing::Panel precision_panel(const OutdoorBenchmark& benchmark, const std::string& detector) {
+  drawing::Panel panel;
+  panel.title = detector;
+  // Room for the legend above the bars.
+  panel.y = {.label = "AP of cars, moderate, 3-D (percent)", .low = 0.0, .high = 120.0};
+  panel.bars = {{.name = "IoU", .heights = {}}, {.name = "IoG", .heights = {}}};
+  const auto height = [](const KittiReport& report) {
+    constexpr std::size_t kModerate = 1;
+    const auto& car = report.classes.front();
+    return car.box3d ? (*car.box3d)[kModerate].r40() : 0.0;
+  };
+  for (const BenchmarkRow& row : benchmark.rows) {
+    const bool compared = row.detector == kPointwise && detector != "cluster_fit";
+    if (row.detector != detector && !compared) continue;
+    panel.categories.push_back(row.box);
+    panel.bars[0].heights.push_back(height(row.iou));
+    panel.bars[1].heights.push_back(height(row.iog));
+  }
+  return panel;
+}
+
 }  // namespace
 
 std::string to_json(const OutdoorBenchmark& benchmark) {
@@ -137,33 +161,16 @@ std::string to_markdown(const OutdoorBenchmark& benchmark) {
 }
 
 drawing::Image draw_average_precision(const OutdoorBenchmark& benchmark) {
-  std::vector<drawing::Panel> panels;
-  constexpr std::size_t kModerate = 1;
-  const auto add = [&](const std::string& detector) {
-    drawing::Panel panel;
-    panel.title = detector;
-    panel.y = {.label = "AP moderate, 3-D (percent)", .low = 0.0, .high = 100.0};
-    std::vector<drawing::Bars> bars;
-    for (const BenchmarkRow& row : benchmark.rows) {
-      if (row.detector != detector) continue;
-      panel.categories.push_back(row.box);
-      std::size_t at = 0;
-      for (const auto& [report, measure] : {std::pair(&row.iou, "IoU"), {&row.iog, "IoG"}}) {
-        const auto& car = report->classes.front();
-        if (bars.size() <= at) {
-          bars.push_back({.name = car.settings.name + ", " + measure, .heights = {}});
-        }
-        bars[at++].heights.push_back(car.box3d ? (*car.box3d)[kModerate].r40() : 0.0);
-      }
-    }
-    panel.bars = std::move(bars);
-    panels.push_back(std::move(panel));
-  };
-  std::vector<std::string> done;
+  std::vector<std::string> detectors;
   for (const BenchmarkRow& row : benchmark.rows) {
-    if (std::find(done.begin(), done.end(), row.detector) != done.end()) continue;
-    done.push_back(row.detector);
-    add(row.detector);
+    const bool known =
+        std::find(detectors.begin(), detectors.end(), row.detector) != detectors.end();
+    if (!known && row.detector != kPointwise) detectors.push_back(row.detector);
+  }
+  if (detectors.empty()) detectors.push_back(kPointwise);
+  std::vector<drawing::Panel> panels;
+  for (const std::string& detector : detectors) {
+    panels.push_back(precision_panel(benchmark, detector));
   }
   return drawing::draw_figure(panels, {.title = benchmark.title});
 }

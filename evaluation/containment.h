@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "arbox/geometry/box.h"
+#include "arbox/geometry/confidence_box.h"
 #include "arbox/geometry/quantile_box.h"
 
 /// \file
@@ -26,7 +27,7 @@ std::optional<MeanOverlap> mean_overlap(std::span<const geometry::Box> predictio
                                         std::span<const geometry::Box> truth);
 
 /// The share of a true box that counts as containing it (paper, section 5.2).
-inline constexpr double kContainedIog = 0.95;
+inline constexpr double kContainedIog = geometry::kHeldIog;
 
 /// Share of the pairs whose IoG is above min_iog; empty for no pairs. Throws as mean_overlap does.
 std::optional<double> contained_fraction(std::span<const geometry::Box> predictions,

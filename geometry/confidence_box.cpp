@@ -79,8 +79,8 @@ std::vector<ConfidenceBox> boxes_of(const BoxSamples& samples, std::span<const d
 
 double held_share(const BoxSamples& samples, const Box& box, double min_iog) {
   require_valid(samples, "held_share");
-  const auto covered = overlap_matrix(std::span(&box, 1), samples.boxes,
-                                      {.measure = Overlap::kIog, .threads = 1});
+  const auto covered =
+      overlap_matrix(std::span(&box, 1), samples.boxes, {.measure = Overlap::kIog, .threads = 1});
   double held = 0.0, all = 0.0;
   for (std::size_t i = 0; i < samples.boxes.size(); ++i) {
     const double weight = samples.weights.empty() ? 1.0 : samples.weights[i];

@@ -18,8 +18,9 @@
 /// Q(q) is the set of points with O(x) > q, and the quantile box the smallest box around it: q = 0
 /// gives a box around every sample, a high q the core that nearly all samples agree on. Where of
 /// any two samples one lies inside the other (an ordered distribution), the quantile box contains
-/// samples of weight at least 1 - q (theorem 1); elsewhere it is a good approximation, not a
-/// promise. docs/quantile-boxes.md explains this to users.
+/// samples of weight at least 1 - q (theorem 1); elsewhere it holds less, the more faces are unsure
+/// at once (confidence_box.h goes on until it holds its share). docs/quantile-boxes.md explains
+/// this to users.
 ///
 /// A point counts as inside a sample if it is within 1e-9 m of it (plus 4e-15 of its coordinates),
 /// so that samples which share a face agree on it whatever the rounding.
@@ -122,11 +123,6 @@ std::vector<QuantileBox> quantile_boxes(const BoxSamples& samples, std::span<con
 std::vector<std::vector<QuantileBox>> quantile_boxes(std::span<const BoxSamples> objects,
                                                      std::span<const double> qs,
                                                      const QuantileOptions& options = {});
-
-/// Confidence boxes: the quantile boxes for q = 1 - p. They contain the object with probability p
-/// as far as the samples are true draws from an ordered distribution (theorem 1).
-std::vector<ConfidenceBox> confidence_boxes(const BoxSamples& samples, std::span<const double> ps,
-                                            const QuantileOptions& options = {});
 
 /// U = 1 - IoU of two quantile boxes of one object, in [0, 1]: how far apart the core and the hull
 /// of its distribution are (paper, section 4.3; it takes q = 0.2 and 0.8).

@@ -9,6 +9,7 @@
 
 #include "arbox/detectors/open_detector.h"
 #include "arbox/geometry/overlap.h"
+#include "arbox/geometry/confidence_box.h"
 #include "arbox/geometry/quantile_box.h"
 #include "arbox/io/point_cloud_file.h"
 

@@ -7,6 +7,7 @@
 #include "arbox/base/error.h"
 #include "arbox/detectors/open_detector.h"
 #include "arbox/drawing/color.h"
+#include "arbox/geometry/confidence_box.h"
 #include "arbox/geometry/quantile_box.h"
 #include "arbox/io/wireframe.h"
 

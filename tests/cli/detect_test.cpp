@@ -322,5 +322,12 @@ TEST(Detect, TheShippedModelTakesTheLikelierOfKnownSizes) {
   EXPECT_GT(cars, 8u);
 }
 
+TEST(Info, TellsOfInstalledModelsByName) {
+  const auto result = run_arbox({"info", "pv_rcnn_compact", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(nlohmann::json::parse(result.output).dump(), HasSubstr("Pedestrian"));
+  expect_one_line_error(run_arbox({"info", "pv_rcnn_compakt"}), 1, {"pv_rcnn_compakt"});
+}
+
 }  // namespace
 }  // namespace arbox::testing

@@ -73,8 +73,7 @@ TEST(Uncertainty, BoxesOfTheSamplesAreScoredWhereTheyAreAskedFor) {
     scan.detections[0].samples.push_back(car_at(0, length).box);
   }
   EXPECT_TRUE(evaluate_uncertainty(std::vector{scan}).all.sample_boxes.empty());
-  const auto report =
-      evaluate_uncertainty(std::vector{scan}, {.sample_confidences = {0.5, 0.9}});
+  const auto report = evaluate_uncertainty(std::vector{scan}, {.sample_confidences = {0.5, 0.9}});
   ASSERT_EQ(report.all.sample_boxes.size(), 2u);
   EXPECT_EQ(report.all.sample_boxes[0].promised, 0.5);
   EXPECT_EQ(report.all.sample_boxes[0].contained, 0.0);

@@ -79,10 +79,6 @@ void require_known_sizes(const geometry::KnownSizes& known, const Network& netwo
     require_sizes(label, sizes);
   }
   if (known.empty()) return;
-  if (network.options().post.box == "pointwise") {
-    throw InvalidArgument(
-        "PvRcnn: known sizes do not change pointwise boxes; ask for the mode, mean or quantile");
-  }
   for (heads::BoxHead* const head : heads) {
     const std::string why = why_not_conditioned(network, *head);
     if (why.empty()) continue;

@@ -20,7 +20,8 @@ namespace arbox::detectors::pv_rcnn {
 ///
 /// Known sizes (DetectionRequest::known_sizes) need a head that tells how likely a size is
 /// (autoregressive with the size first, gaussian, discrete). They are length, width and height, and
-/// are compared by PostOptions::known_sizes. Confidence boxes stay those of unknown size, which the
+/// are compared by PostOptions::known_sizes; pointwise boxes give way to the most likely ones of
+/// that size. Confidence boxes stay those of unknown size, which the
 /// calibration is of; the log density is the head's, of the size and the rest.
 ///
 /// Input, and what becomes of it:
@@ -42,7 +43,7 @@ class PvRcnn : public Detector {
 
   /// Throws InvalidArgument for a request out of range, for confidences without a calibration or of
   /// another head than the first, which is the one that is calibrated, and for known sizes of an
-  /// unknown class, of a head that cannot use them or with pointwise boxes.
+  /// unknown class or of a head that cannot use them.
   DetectionResult detect(const geometry::PointCloudView& cloud,
                          const DetectionRequest& request = {}) const override;
   /// What each of Network::heads() makes of the same proposals, in their order.

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "arbox/detectors/open_detector.h"
-#include "arbox/geometry/overlap.h"
 #include "arbox/geometry/confidence_box.h"
+#include "arbox/geometry/overlap.h"
 #include "arbox/geometry/quantile_box.h"
 #include "arbox/io/point_cloud_file.h"
 

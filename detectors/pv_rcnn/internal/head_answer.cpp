@@ -97,9 +97,12 @@ void condition(const heads::BoxDistribution& distribution, const heads::Streams&
   }
   if (sized.empty()) return;
   const Tensor index = index_tensor(sized);
+  PostOptions of_known_size = options;
+  // The pointwise branch does not know of sizes.
+  if (options.box == "pointwise") of_known_size.box = "mode";
   HeadAnswer given = boxes_of(*distribution.select(index)->given_sizes(size_rows(sizes)),
                               {streams.seed, streams.object_ids.index_select(0, index)},
-                              pointwise.index_select(0, index), request, options);
+                              pointwise.index_select(0, index), request, of_known_size);
   answer.boxes = answer.boxes.index_copy(0, index, given.boxes.to(answer.boxes.scalar_type()));
   for (std::size_t i = 0; i < sized.size(); ++i) {
     answer.known_sizes[sized[i]] = sizes[i];

@@ -54,7 +54,7 @@ bool is_one_of(const geometry::KnownSize& chosen, const std::vector<geometry::Kn
 }
 
 TEST(PvRcnnKnownSizes, BoxesOfTheseClassesHaveOneOfThem) {
-  for (const char* box : {"mode", "mean"}) {
+  for (const char* box : {"mode", "mean", "pointwise"}) {
     const auto [free, sized] = detect_twice(made_detector({std::string("post.box=") + box}),
                                             {.quantiles = {0.2, 0.5}, .samples = true, .seed = 3});
     std::set<std::string> seen;
@@ -167,7 +167,6 @@ TEST(PvRcnnKnownSizes, WhatCannotBeUsedIsRefusedBeforeAnyPointIsSeen) {
   for (const double wrong : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     EXPECT_THAT(refused(detector, {{"Car", {{"", {4, wrong, 1}}}}}), HasSubstr("above zero"));
   }
-  EXPECT_THAT(refused(made_detector({"post.box=pointwise"}), kFleet), HasSubstr("pointwise boxes"));
   EXPECT_THAT(refused(made_detector({"more_heads=[pointwise]", "post.head=pointwise"}), kFleet),
               AllOf(HasSubstr("one box"), HasSubstr("these can: autoregressive")));
   EXPECT_THAT(
@@ -216,7 +215,6 @@ TEST(PvRcnnKnownSizes, TheProgramTakesThemFromAFile) {
   refused("Car 4 2 1\nVan 5 2 2\nVan 6 2 2\n", 1, {"fleet.csv:2", "'Van'", "Pedestrian"});
   refused("Car 4 2 1\n", 2, {"--known-sizes", "these can: autoregressive"},
           {"--head", "pointwise"});
-  refused("Car 4 2 1\n", 2, {"--known-sizes", "pointwise boxes"}, {"--mode", "pointwise"});
 }
 
 }  // namespace

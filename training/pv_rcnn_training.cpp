@@ -32,7 +32,8 @@ std::uint64_t hashed(std::string_view bytes, std::uint64_t hash = 0xcbf29ce48422
 /// Names what kept regions depend on: scenes, their augmentation, and the stages before the heads.
 std::string regions_name(PvRcnnTraining training) {
   const std::string initial = training.train.initial;
-  training.train = {};
+  // The seed decides augmentation, and weights that begin at random.
+  training.train = {.seed = training.train.seed};
   training.validation = {};
   training.model.keep_regions.clear();
   training.model.losses = {};

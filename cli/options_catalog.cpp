@@ -13,7 +13,7 @@
 #include "arbox/geometry/quantile_box.h"
 #include "arbox/heads/built_in_heads.h"
 #include "arbox/io/point_cloud_file.h"
-#include "arbox/simulation/street_stream.h"
+#include "arbox/simulation/street_dataset.h"
 
 namespace arbox::cli {
 
@@ -27,6 +27,8 @@ Catalog library_catalog() {
       {"quantile_box", "Quantile boxes of box samples", &make_options<geometry::QuantileOptions>},
       {"read_cloud", "How a point cloud is read", &make_options<io::ReadOptions>},
       {"scene", "How a scene is drawn", &make_options<drawing::SceneOptions>},
+      {"street_dataset", "What arbox simulate street writes",
+       &make_options<simulation::StreetDatasetOptions>},
       {"street_scan", "How streets are simulated", &make_options<simulation::StreetScanOptions>},
       {"write_cloud", "How a point cloud is written", &make_options<io::WriteOptions>},
   };

@@ -21,7 +21,7 @@ struct SimulateStreetFlags {
   std::uint64_t seed = 0;
   std::filesystem::path output;
   bool json = false;
-  simulation::StreetScanOptions options;
+  simulation::StreetDatasetOptions options;
 };
 
 void simulate_street(const SimulateStreetFlags& flags) {
@@ -41,8 +41,9 @@ void simulate_street(const SimulateStreetFlags& flags) {
 }
 
 void add_street(CLI::App& simulate) {
-  CLI::App* command = simulate.add_subcommand(
-      "street", "LiDAR scans of streets with exact labels, in the KITTI object benchmark's layout");
+  CLI::App* command = simulate.add_subcommand("street",
+                                              "LiDAR scans of streets with exact labels, pictures "
+                                              "too, in the KITTI object benchmark's layout");
   const auto flags = std::make_shared<SimulateStreetFlags>();
   command->add_option("--scenes", flags->scenes, "Number of scans")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1000000}))
@@ -55,15 +56,17 @@ void add_street(CLI::App& simulate) {
       ->add_option_function<std::string>(
           "--config",
           [flags](const std::string& file) {
-            flags->options = read_options<simulation::StreetScanOptions>(file, flags->options);
+            flags->options = read_options<simulation::StreetDatasetOptions>(file, flags->options);
           },
-          "Options as YAML (arbox config street_scan)")
+          "Options as YAML (arbox config show street_dataset)")
       ->type_name("YAML")
       ->trigger_on_parse();
   add_option_flags(*command, bind_options(flags->options));
   add_json_flag(*command, flags->json);
   add_examples(*command, {{"arbox simulate street --scenes 1000 --seed 1 --output streets",
                            "A thousand scans; a run that was stopped goes on where it stood"},
+                          {"arbox simulate street --scenes 10 --output streets --images",
+                           "With pictures of the left colour camera"},
                           {"arbox simulate street --scenes 10 --output streets --lidar spinning32",
                            "Another scanner"}});
   command->callback([flags] { simulate_street(*flags); });

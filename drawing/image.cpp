@@ -29,15 +29,10 @@ std::string encode_as_png(const Image& image) {
   header.width = static_cast<png_uint_32>(image.width);
   header.height = static_cast<png_uint_32>(image.height);
   header.format = PNG_FORMAT_RGB;
-  png_alloc_size_t size = 0;
-  std::string bytes;
-  bool written =
-      png_image_write_to_memory(&header, nullptr, &size, 0, image.pixels.data(), 0, nullptr) != 0;
-  if (written) {
-    bytes.resize(size);
-    written = png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0,
-                                        nullptr) != 0;
-  }
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
+  std::string bytes(size, '\0');
+  const bool written = png_image_write_to_memory(&header, bytes.data(), &size, 0,
+                                                 image.pixels.data(), 0, nullptr) != 0;
   if (!written) throw IoError(std::string("write_image: PNG: ") + header.message);
   bytes.resize(size);
   return bytes;

@@ -7,6 +7,7 @@
 #include "arbox/base/options.h"
 #include "arbox/base/random.h"
 #include "arbox/io/kitti.h"
+#include "arbox/simulation/internal/projector.h"
 
 namespace arbox::simulation {
 namespace {
@@ -21,21 +22,6 @@ struct Outline {
   io::ImageBox whole, cut;
   double truncation = 1.0;
 };
-
-struct Projector {
-  Eigen::Matrix<double, 3, 4> matrix;
-  Eigen::Vector3d center;  // the camera, LiDAR frame
-  Eigen::Matrix3d back;    // pixels to directions of the LiDAR frame
-};
-
-Projector projector_of(const CameraView& camera) {
-  Projector result;
-  const Eigen::Matrix<double, 3, 4> p2 = camera.calibration.p2();
-  result.matrix = p2 * camera.calibration.rect_from_lidar().matrix();
-  result.back = result.matrix.leftCols<3>().inverse();
-  result.center = -result.back * result.matrix.col(3);
-  return result;
-}
 
 /// Bounds of the projected vertices of every object.
 std::vector<std::optional<Outline>> outlines(const Scene& scene, const Projector& projector,

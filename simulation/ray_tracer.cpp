@@ -59,6 +59,22 @@ void set_pose(RTCGeometry instance, unsigned step, const Eigen::Affine3d& pose) 
   rtcSetGeometryTransform(instance, step, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
 }
 
+RTCRay ray_of(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double time,
+              double nearest, double farthest) {
+  RTCRay ray{};
+  ray.org_x = static_cast<float>(origin.x());
+  ray.org_y = static_cast<float>(origin.y());
+  ray.org_z = static_cast<float>(origin.z());
+  ray.dir_x = static_cast<float>(direction.x());
+  ray.dir_y = static_cast<float>(direction.y());
+  ray.dir_z = static_cast<float>(direction.z());
+  ray.tnear = static_cast<float>(nearest);
+  ray.tfar = static_cast<float>(farthest);
+  ray.time = static_cast<float>(time);
+  ray.mask = ~0u;
+  return ray;
+}
+
 /// Meshes that instances of several scenes share are built once, and kept as long as they live.
 class PrototypeCache {
  public:
@@ -133,16 +149,7 @@ RayTracer::~RayTracer() = default;
 bool RayTracer::trace(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double time,
                       double nearest, double farthest, Hit& hit) const {
   RTCRayHit query{};
-  query.ray.org_x = static_cast<float>(origin.x());
-  query.ray.org_y = static_cast<float>(origin.y());
-  query.ray.org_z = static_cast<float>(origin.z());
-  query.ray.dir_x = static_cast<float>(direction.x());
-  query.ray.dir_y = static_cast<float>(direction.y());
-  query.ray.dir_z = static_cast<float>(direction.z());
-  query.ray.tnear = static_cast<float>(nearest);
-  query.ray.tfar = static_cast<float>(farthest);
-  query.ray.time = static_cast<float>(time);
-  query.ray.mask = ~0u;
+  query.ray = ray_of(origin, direction, time, nearest, farthest);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
@@ -159,6 +166,15 @@ bool RayTracer::trace(const Eigen::Vector3d& origin, const Eigen::Vector3d& dire
   hit.object = placed.object;
   hit.instance = static_cast<std::int32_t>(query.hit.instID[0]);
   return true;
+}
+
+bool RayTracer::blocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                        double time, double nearest, double farthest) const {
+  RTCRay ray = ray_of(origin, direction, time, nearest, farthest);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(state_->top.get(), &context, &ray);
+  return ray.tfar < 0.0f;
 }
 
 }  // namespace arbox::simulation

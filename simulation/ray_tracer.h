@@ -38,6 +38,10 @@ class RayTracer {
   bool trace(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double time,
              double nearest, double farthest, Hit& hit) const;
 
+  /// True if anything lies there; cheaper than to ask what.
+  bool blocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double time,
+               double nearest, double farthest) const;
+
  private:
   struct State;
   std::unique_ptr<State> state_;

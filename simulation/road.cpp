@@ -7,6 +7,8 @@ namespace arbox::simulation {
 namespace {
 
 constexpr std::uint32_t kRelief = 7;
+/// Streets with narrower lanes have no lines, metres.
+constexpr double kNarrowLane = 2.8;
 
 /// Smooth noise of unit spread: random values on a grid, blended.
 double noise(std::uint64_t seed, double x, double y, double wavelength, std::uint32_t octave) {
@@ -121,6 +123,28 @@ std::shared_ptr<const TriangleMesh> ground_mesh(const Road& road, double reach) 
     }
   }
   return mesh;
+}
+
+RoadMarkings markings_of(const Road& road) {
+  RoadMarkings markings{.curvature = road.curvature, .lines = {}, .gaps = {}};
+  const bool large = road.district == District::kRoad || road.district == District::kHighway;
+  if (!large && road.lane_width < kNarrowLane) return markings;
+  for (int lane = 0; lane < road.lanes_opposite; ++lane) {
+    markings.lines.push_back({(lane + 0.5) * road.lane_width, lane > 0 || !large});
+  }
+  for (int lane = 0; lane + 1 < road.lanes_same; ++lane) {
+    markings.lines.push_back({-(lane + 0.5) * road.lane_width, true});
+  }
+  if (large) {
+    markings.lines.push_back({road.left.edge - 0.2, false});
+    markings.lines.push_back({-road.right.edge + 0.2, false});
+  }
+  for (const Crossing& crossing : road.crossings) {
+    const double from = crossing.s - crossing.half_width - 0.5, to = 2 * crossing.s - from;
+    if (crossing.left) markings.gaps.push_back({from, to, true});
+    if (crossing.right) markings.gaps.push_back({from, to, false});
+  }
+  return markings;
 }
 
 }  // namespace arbox::simulation

@@ -40,6 +40,23 @@ struct EgoMotion {
   double yaw_rate = 0.0;
 };
 
+/// Paint on the road, which cameras see: strokes along a course that bends by `curvature` (1 / m,
+/// positive to the left) from the origin, at offsets to the left of it.
+struct RoadMarkings {
+  struct Line {
+    double offset = 0.0;  ///< Metres to the left.
+    bool dashed = false;
+  };
+  /// A stretch of the course, metres, without lines on one side.
+  struct Gap {
+    double from = 0.0, to = 0.0;
+    bool left = true;
+  };
+  double curvature = 0.0;
+  std::vector<Line> lines;
+  std::vector<Gap> gaps;
+};
+
 /// Everything that a sensor needs. The LiDAR frame of the reference time: x forward, y left, z up,
 /// origin in the scanner.
 struct Scene {
@@ -49,6 +66,7 @@ struct Scene {
   /// Ground plane under the own vehicle: normal . p + offset = 0, for the planes files.
   Eigen::Vector3d ground_normal = Eigen::Vector3d::UnitZ();
   double ground_offset = 1.73;
+  RoadMarkings markings;
   std::uint64_t seed = 0;
 };
 

@@ -142,6 +142,7 @@ Scene street_scene(const StreetOptions& options, std::uint64_t seed, std::uint64
   }
   scene.ground_normal = Eigen::Vector3d(-road.slope_x, -road.slope_y, 1.0).normalized();
   scene.ground_offset = road.sensor_height * scene.ground_normal.z();
+  scene.markings = markings_of(road);
   scene.instances.push_back({.mesh = ground_mesh(road, options.reach),
                              .pose = Eigen::Affine3d::Identity(),
                              .object = -1,

@@ -17,9 +17,10 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kMostScenes = 1000000;
 constexpr const char* kFolders[] = {"velodyne", "label_2", "label_360", "calib", "planes"};
+constexpr const char* kImages = "image_2";
 
 std::string frame_name(std::int64_t index) {
-  char text[16];
+  char text[32];
   std::snprintf(text, sizeof text, "%06lld", static_cast<long long>(index));
   return text;
 }
@@ -36,7 +37,8 @@ std::string scan_bytes(const geometry::PointCloud& cloud) {
   return {reinterpret_cast<const char*>(cloud.values.data()), cloud.values.size() * sizeof(float)};
 }
 
-void write_frame(const StreetScan& scan, const fs::path& training, const std::string& name) {
+void write_frame(const StreetScan& scan, const StreetDatasetOptions& options,
+                 const fs::path& training, const std::string& name) {
   const auto file = [&](const char* folder, const char* extension) {
     return training / folder / (name + extension);
   };
@@ -44,6 +46,10 @@ void write_frame(const StreetScan& scan, const fs::path& training, const std::st
   io::write_file(file("label_360", ".txt"), io::format_kitti_labels(scan.labels.around));
   io::write_file(file("calib", ".txt"), io::format_kitti_calibration(scan.camera.calibration));
   io::write_file(file("planes", ".txt"), plane_text(ground_plane(scan.scene, scan.camera)));
+  if (options.images) {
+    const CameraImage image = render_camera_image(scan.scene, scan.camera, options.image);
+    io::write_file(file(kImages, ".png"), drawing::encode_png(image.picture));
+  }
   io::write_file(file("velodyne", ".bin"), scan_bytes(scan.cloud()));
 }
 
@@ -54,16 +60,24 @@ void remove_parts(const fs::path& folder) {
   }
 }
 
-void begin(const fs::path& output, const std::string& manifest) {
+void make_folder(const fs::path& folder) {
   std::error_code error;
-  for (const char* folder : kFolders) {
-    fs::create_directories(output / "training" / folder, error);
-    if (error) throw IoError(output.string() + ": cannot be made: " + error.message());
-    remove_parts(output / "training" / folder);
-  }
-  fs::create_directories(output / "ImageSets", error);
-  if (error) throw IoError(output.string() + ": cannot be made: " + error.message());
-  remove_parts(output / "ImageSets");
+  fs::create_directories(folder, error);
+  if (error) throw IoError(folder.string() + ": cannot be made: " + error.message());
+  remove_parts(folder);
+}
+
+/// Without pictures this says nothing of them, as folders written before pictures were known.
+std::string manifest_of(const StreetDatasetOptions& options, std::uint64_t seed) {
+  const StreetScanOptions& scans = options;
+  return "# arbox simulate street\n# seed: " + std::to_string(seed) + "\n" +
+         (options.images ? options_yaml(options) : options_yaml(scans));
+}
+
+void begin(const fs::path& output, const std::string& manifest, bool images) {
+  for (const char* folder : kFolders) make_folder(output / "training" / folder);
+  if (images) make_folder(output / "training" / kImages);
+  make_folder(output / "ImageSets");
   const fs::path path = output / "simulation.yaml";
   if (!fs::exists(path)) {
     io::write_file(path, manifest);
@@ -88,23 +102,23 @@ void write_splits(const fs::path& output, std::int64_t scenes) {
 
 }  // namespace
 
-StreetDatasetReport write_street_dataset(const StreetScanOptions& options, std::uint64_t seed,
+StreetDatasetReport write_street_dataset(const StreetDatasetOptions& options, std::uint64_t seed,
                                          std::int64_t scenes, const fs::path& output, int threads,
                                          const std::function<void()>& progress) {
   if (scenes < 1 || scenes > kMostScenes) {
     throw InvalidArgument("write_street_dataset: expected 1 to 1000000 scenes, got " +
                           std::to_string(scenes));
   }
-  validate_options(options, "street scan options");
-  begin(output,
-        "# arbox simulate street\n# seed: " + std::to_string(seed) + "\n" + options_yaml(options));
+  validate_options(options, "street dataset options");
+  begin(output, manifest_of(options, seed), options.images);
   const fs::path training = output / "training";
   std::atomic<std::int64_t> written = 0;
   parallel_for(scenes, 1, threads, [&](std::int64_t first, std::int64_t last) {
     for (std::int64_t i = first; i < last; ++i) {
       const std::string name = frame_name(i);
       if (!fs::exists(training / "velodyne" / (name + ".bin"))) {
-        write_frame(street_scan(options, seed, static_cast<std::uint64_t>(i)), training, name);
+        write_frame(street_scan(options, seed, static_cast<std::uint64_t>(i)), options, training,
+                    name);
         ++written;
       }
       if (progress) progress();

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "arbox/base/random.h"
-#include "arbox/simulation/mesh.h"
+#include "arbox/simulation/scene.h"
 
 namespace arbox::simulation {
 
@@ -64,5 +64,8 @@ struct Road {
 
 /// The ground as far as `reach` metres.
 std::shared_ptr<const TriangleMesh> ground_mesh(const Road& road, double reach);
+
+/// The lines that separate lanes, and those at the edges of larger roads.
+RoadMarkings markings_of(const Road& road);
 
 }  // namespace arbox::simulation

@@ -71,6 +71,36 @@ TEST(SimulateStreet, ConfigurationFilesCountAndFlagsWinOverThem) {
   EXPECT_THAT(slurp(folder / "flags/simulation.yaml"), HasSubstr("lidar: spinning32"));
 }
 
+TEST(SimulateStreet, AKilledRunWithPicturesGoesOnToTheSameBytes) {
+  const TemporaryDirectory folder;
+  const std::vector<std::string> few = {"--scenes",        "4", "--seed", "3", "--images",
+                                        "--image-samples", "1"};
+  RunOptions hurried;
+  hurried.timeout_seconds = 1.5;
+  const RunResult killed = simulate(folder / "killed", few, hurried);
+  EXPECT_TRUE(killed.timed_out || killed.exit_code == 0);
+  EXPECT_EQ(simulate(folder / "killed", few).exit_code, 0);
+  EXPECT_EQ(simulate(folder / "whole", few).exit_code, 0);
+  EXPECT_EQ(bytes(folder / "killed"), bytes(folder / "whole"));
+}
+
+TEST(SimulateStreet, ViewAndInfoReadThePictures) {
+  const TemporaryDirectory folder;
+  const fs::path config = folder.write("options.yaml", "images: true\nimage:\n  samples: 1\n");
+  ASSERT_EQ(simulate(folder / "out", {"--scenes", "2", "--config", config.string()}).exit_code, 0);
+  const fs::path training = folder / "out/training";
+  const RunResult view = run_arbox({"view", (training / "velodyne/000000.bin").string(), "--labels",
+                                    (training / "label_2/000000.txt").string(), "--calib",
+                                    (training / "calib/000000.txt").string(), "--image",
+                                    (training / "image_2/000000.png").string(), "--output",
+                                    (folder / "view.png").string()});
+  EXPECT_EQ(view.exit_code, 0) << view.errors;
+  EXPECT_TRUE(fs::exists(folder / "view.png"));
+  const RunResult info = run_arbox({"info", "kitti", (folder / "out").string()});
+  EXPECT_EQ(info.exit_code, 0);
+  EXPECT_THAT(info.output, ::testing::Not(HasSubstr("broken:")));
+}
+
 TEST(SimulateStreet, BadInputIsRefusedInOneLine) {
   const TemporaryDirectory folder;
   expect_one_line_error(simulate(folder / "out", {}), 2, {"--scenes"});
@@ -79,6 +109,9 @@ TEST(SimulateStreet, BadInputIsRefusedInOneLine) {
                         {"lidar"});
   expect_one_line_error(simulate(folder / "out", {"--scenes", "1", "--street-people", "-1"}), 2,
                         {"people"});
+  expect_one_line_error(
+      simulate(folder / "out", {"--scenes", "1", "--images", "--image-samples", "0"}), 2,
+      {"samples"});
   const fs::path config = folder.write("options.yaml", "lidars: spinning16\n");
   const RunResult unknown =
       simulate(folder / "out", {"--scenes", "1", "--config", config.string()});

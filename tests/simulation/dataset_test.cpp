@@ -6,6 +6,7 @@
 #include <map>
 
 #include "arbox/base/error.h"
+#include "arbox/drawing/image.h"
 #include "arbox/io/file.h"
 #include "arbox/io/kitti.h"
 #include "arbox/io/kitti_dataset.h"
@@ -108,7 +109,68 @@ TEST_F(StreetDataset, OtherOptionsInAFolderThatWasBegunAreRefused) {
   EXPECT_EQ(write_street_dataset({}, 4, 2, root_, 1).found, 1);
 }
 
+/// Rough pictures, as tests have little time.
+StreetDatasetOptions with_images() {
+  StreetDatasetOptions options;
+  options.images = true;
+  options.image.samples = 1;
+  return options;
+}
+
+TEST_F(StreetDataset, PicturesChangeNothingElse) {
+  write_street_dataset({}, 4, 3, root_ / "without", 1);
+  write_street_dataset(with_images(), 4, 3, root_ / "with", 2);
+  auto with = bytes(root_ / "with"), without = bytes(root_ / "without");
+  for (const char* name : {"000000", "000001", "000002"}) {
+    EXPECT_EQ(with.erase("training/image_2/" + std::string(name) + ".png"), 1u);
+  }
+  EXPECT_NE(with.extract("simulation.yaml").mapped(), without.extract("simulation.yaml").mapped());
+  EXPECT_EQ(with, without);
+}
+
+TEST_F(StreetDataset, WithoutPicturesTheOptionsOfTheFolderDoNotNameThem) {
+  write_street_dataset({}, 4, 1, root_, 1);
+  EXPECT_EQ(io::read_file(root_ / "simulation.yaml").find("image"), std::string::npos);
+  EXPECT_FALSE(fs::exists(root_ / "training/image_2"));
+}
+
+TEST_F(StreetDataset, PicturesHaveTheSameBytesAtAnyThreadCountAndAfterAStop) {
+  write_street_dataset(with_images(), 4, 3, root_ / "one", 1);
+  const fs::path two = root_ / "two";
+  write_street_dataset(with_images(), 4, 3, two, 2);
+  EXPECT_EQ(bytes(root_ / "one"), bytes(two));
+  fs::remove(two / "training/velodyne/000000.bin");
+  fs::remove(two / "training/velodyne/000002.bin");
+  fs::remove(two / "training/image_2/000002.png");
+  io::write_file(two / "training/image_2/000002.png.part77", "half a picture");
+  EXPECT_EQ(write_street_dataset(with_images(), 4, 3, two, 2).written, 2);
+  EXPECT_EQ(bytes(root_ / "one"), bytes(two));
+}
+
+TEST_F(StreetDataset, PicturesLaterAreRefused) {
+  write_street_dataset({}, 4, 1, root_, 1);
+  EXPECT_THROW(write_street_dataset(with_images(), 4, 1, root_, 1), ConfigError);
+}
+
+TEST_F(StreetDataset, TheLoaderFindsPicturesOfTheCamerasSize) {
+  write_street_dataset(with_images(), 6, 2, root_, 2);
+  const io::KittiDataset dataset = io::KittiDataset::open(root_);
+  for (const std::uint64_t i : {0u, 1u}) {
+    const io::KittiFrame frame = dataset.load("trainval", "00000" + std::to_string(i));
+    ASSERT_FALSE(frame.image.empty());
+    const drawing::Image picture = drawing::read_image(frame.image);
+    const StreetScan scan = street_scan({}, 6, i);
+    EXPECT_EQ((io::ImageSize{picture.width, picture.height}), scan.camera.image);
+    EXPECT_EQ(frame.image_size, scan.camera.image);
+    EXPECT_EQ(picture.pixels,
+              render_camera_image(scan.scene, scan.camera, {.samples = 1}).picture.pixels);
+  }
+}
+
 TEST_F(StreetDataset, OptionsOutOfRangeAreRefused) {
+  StreetDatasetOptions rough = with_images();
+  rough.image.samples = 0;
+  EXPECT_THROW(write_street_dataset(rough, 0, 1, root_), ConfigError);
   EXPECT_THROW(write_street_dataset({}, 0, 0, root_), InvalidArgument);
   EXPECT_THROW(write_street_dataset({}, 0, -3, root_), InvalidArgument);
   EXPECT_THROW(write_street_dataset({}, 0, 1000001, root_), InvalidArgument);

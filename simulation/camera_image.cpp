@@ -84,7 +84,8 @@ class Renderer {
   Rgb reflection(const Eigen::Vector3d& direction, const Hit& hit, double normal_incidence) const {
     const double cosine = -direction.dot(hit.normal);
     const Eigen::Vector3d mirrored = direction + 2.0 * cosine * hit.normal;
-    const Rgb seen = mirrored.z() > 0.0 ? day_.sky(mirrored) : Rgb(day_.bounce);
+    const auto sky = static_cast<float>(std::clamp(0.5 + 3.0 * mirrored.z(), 0.0, 1.0));
+    const Rgb seen = sky * day_.sky(mirrored) + (1.0f - sky) * day_.bounce;
     return static_cast<float>(reflected_share(cosine, normal_incidence)) * seen;
   }
 

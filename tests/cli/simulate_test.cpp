@@ -89,9 +89,9 @@ TEST(SimulateStreet, ViewAndInfoReadThePictures) {
   const fs::path config = folder.write("options.yaml", "images: true\nimage:\n  samples: 1\n");
   ASSERT_EQ(simulate(folder / "out", {"--scenes", "2", "--config", config.string()}).exit_code, 0);
   const fs::path training = folder / "out/training";
-  const RunResult view = run_arbox({"view", (training / "velodyne/000000.bin").string(), "--labels",
-                                    (training / "label_2/000000.txt").string(), "--calib",
-                                    (training / "calib/000000.txt").string(), "--image",
+  const RunResult view = run_arbox({"view", "--cloud", (training / "velodyne/000000.bin").string(),
+                                    "--labels", (training / "label_2/000000.txt").string(),
+                                    "--calib", (training / "calib/000000.txt").string(), "--image",
                                     (training / "image_2/000000.png").string(), "--output",
                                     (folder / "view.png").string()});
   EXPECT_EQ(view.exit_code, 0) << view.errors;

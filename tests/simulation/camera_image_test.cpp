@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <future>
 
@@ -141,7 +142,8 @@ TEST(CameraImage, LinesFollowABendingRoad) {
     scene.markings.curvature = curvature;
     const drawing::Image image = picture_of(scene);
     const CameraView camera = kitti_camera(0);
-    const auto map = camera.calibration.p2() * camera.calibration.rect_from_lidar().matrix();
+    const Eigen::Matrix<double, 3, 4> map =
+        camera.calibration.p2() * camera.calibration.rect_from_lidar().matrix();
     const double angle = 12.0 * curvature, radius = 1.0 / curvature;
     const Eigen::Vector3d on_line((radius - 1.0) * std::sin(angle),
                                   radius - (radius - 1.0) * std::cos(angle), -1.7);
@@ -183,7 +185,8 @@ TEST(CameraImage, PanesAreSeenThroughAndCountAsTheirObject) {
   EXPECT_GT(lightness(light.picture, 0, 375), lightness(dark.picture, 0, 375) + 10.0);
 }
 
-TEST(CameraImage, CarsOfOneSceneHaveColorsOfTheirOwn) {
+/// Two cars side by side; the first has this brightness.
+Scene side_by_side(double brightness) {
   Scene scene;
   for (const double y : {-2.0, 2.0}) {
     const Eigen::Vector3d center(12, y, -1);
@@ -197,19 +200,42 @@ TEST(CameraImage, CarsOfOneSceneHaveColorsOfTheirOwn) {
                              .box = geometry::make_yaw_box(center, shape.size, 0.0),
                              .velocity = Eigen::Vector3d::Zero()});
   }
-  scene.instances[0].brightness = 0.1;
+  scene.instances[0].brightness = brightness;
+  return scene;
+}
+
+/// Mean red, green and blue of the pixels of each of two objects.
+std::array<Eigen::Vector3d, 2> mean_colors(const Scene& scene) {
   const CameraImage image = render_camera_image(scene, kitti_camera(0), {.samples = 1});
-  double sum[2] = {0, 0};
-  int count[2] = {0, 0};
+  std::array<Eigen::Vector3d, 2> sum = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  std::array<int, 2> count = {};
   for (std::size_t i = 0; i < image.objects.size(); ++i) {
     const std::int32_t object = image.objects[i];
     if (object < 0) continue;
-    sum[object] += image.picture.pixels[3 * i + 1];
+    const std::uint8_t* pixel = &image.picture.pixels[3 * i];
+    sum[object] += Eigen::Vector3d(pixel[0], pixel[1], pixel[2]);
     ++count[object];
   }
   EXPECT_GT(count[0], 1000);
   EXPECT_GT(count[1], 1000);
-  EXPECT_LT(sum[0] / count[0], sum[1] / count[1] - 10.0) << "dark to the laser, dark here";
+  return {sum[0] / count[0], sum[1] / count[1]};
+}
+
+TEST(CameraImage, PaintThatIsDarkToTheLaserIsDarkInThePicture) {
+  const auto dark = mean_colors(side_by_side(0.1)), light = mean_colors(side_by_side(1.2));
+  EXPECT_LT(dark[0].sum(), light[0].sum() - 20.0);
+  EXPECT_NEAR(dark[1].sum(), light[1].sum(), 3.0);
+}
+
+TEST(CameraImage, CarsHaveColorsOfTheirOwn) {
+  int different = 0;
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    Scene scene = side_by_side(1.0);
+    scene.seed = seed;
+    const auto colors = mean_colors(scene);
+    different += (colors[0] - colors[1]).cwiseAbs().maxCoeff() > 10.0;
+  }
+  EXPECT_GE(different, 2);
 }
 
 TEST(CameraImage, MoreRaysSmoothEdgesAndKeepTheLight) {

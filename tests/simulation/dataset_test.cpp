@@ -130,7 +130,7 @@ TEST_F(StreetDataset, PicturesChangeNothingElse) {
 
 TEST_F(StreetDataset, WithoutPicturesTheOptionsOfTheFolderDoNotNameThem) {
   write_street_dataset({}, 4, 1, root_, 1);
-  EXPECT_EQ(io::read_file(root_ / "simulation.yaml").find("image"), std::string::npos);
+  EXPECT_EQ(io::read_file(root_ / "simulation.yaml").find("images:"), std::string::npos);
   EXPECT_FALSE(fs::exists(root_ / "training/image_2"));
 }
 

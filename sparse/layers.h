@@ -38,6 +38,9 @@ class BatchNorm : public torch::nn::Module {
   };
   Folded folded() const;
 
+  /// How much of the running statistics a new batch replaces, in 0..1.
+  void set_momentum(double momentum) { momentum_ = momentum; }
+
  private:
   at::Tensor forward_shared(const at::Tensor& features,
                             std::shared_ptr<const SharedStatistics::Sum> sum);

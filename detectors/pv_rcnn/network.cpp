@@ -75,6 +75,12 @@ heads::HeadConfig further_head(const Options& options, const std::string& name) 
   return head;
 }
 
+void set_norm_momentum(const torch::nn::Module& backbone, double momentum) {
+  for (const auto& module : backbone.modules()) {
+    if (auto* norm = module->as<sparse::BatchNorm>()) norm->set_momentum(momentum);
+  }
+}
+
 }  // namespace
 
 Network::Network(const Options& options)
@@ -87,6 +93,8 @@ Network::Network(const Options& options)
                  options_, after ? birds_eye_channels(options_) : map_channels(options_)));
   birds_eye_ = register_module("backbone_2d", std::make_shared<internal::BirdsEyeBackbone>(
                                                   options_.birds_eye, map_channels(options_)));
+  set_norm_momentum(*backbone_, options_.backbone_norm_momentum);
+  set_norm_momentum(*birds_eye_, options_.backbone_norm_momentum);
   anchor_head_ = register_module(
       "dense_head", std::make_shared<internal::AnchorHead>(options_, birds_eye_channels(options_)));
   weighting_ =

@@ -183,6 +183,9 @@ struct Options {
   VoxelOptions voxels;
   BackboneOptions backbone;
   BirdsEyeOptions birds_eye;
+  /// How much of their batch norms' running statistics a new batch replaces: after a run of n steps
+  /// (1 - momentum)^n of the initial ones is left, so short runs need more than the default.
+  double backbone_norm_momentum = 0.01;
   AnchorOptions anchors;
   ProposalOptions proposals;
   ProposalOptions training_proposals = ProposalOptions::training();
@@ -210,6 +213,11 @@ struct Options {
     visitor.group("voxels", &Options::voxels, "Range and voxels");
     visitor.group("backbone", &Options::backbone, "Sparse 3-D backbone");
     visitor.group("birds_eye", &Options::birds_eye, "2-D backbone over the map from above");
+    visitor.field("backbone_norm_momentum", &Options::backbone_norm_momentum,
+                  {.help = "How much of the running statistics of the backbones' batch norms a new "
+                           "batch replaces",
+                   .low = 0,
+                   .high = 1});
     visitor.group("anchors", &Options::anchors, "Boxes that the first stage starts from");
     visitor.group("proposals", &Options::proposals, "Regions of interest in detection");
     visitor.group("training_proposals", &Options::training_proposals,

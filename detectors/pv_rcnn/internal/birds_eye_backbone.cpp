@@ -22,7 +22,7 @@ MapLayer::MapLayer(torch::nn::Module& sequence, int place, std::int64_t in, std:
                                                               columns * kernel * kernel));
   norm_ = sequence.register_module(
       std::to_string(place + 1),
-      std::make_shared<sparse::BatchNorm>(out, kBackboneEpsilon, kBackboneMomentum));
+      std::make_shared<sparse::BatchNorm>(out, kBackboneEpsilon));
 }
 
 FoldedLayer MapLayer::folded() const {

@@ -4,6 +4,5 @@ namespace arbox::detectors::pv_rcnn::internal {
 
 /// Batch norms of both backbones; those of the other stages have the defaults.
 inline constexpr double kBackboneEpsilon = 1e-3;
-inline constexpr double kBackboneMomentum = 0.01;
 
 }  // namespace arbox::detectors::pv_rcnn::internal

@@ -26,7 +26,7 @@ VoxelLayer::VoxelLayer(torch::nn::Module& parent, std::int64_t in, std::int64_t 
     : convolution_(
           parent.register_module("0", std::make_shared<sparse::GridConvolution>(in, out, kernel))),
       norm_(parent.register_module(
-          "1", std::make_shared<sparse::BatchNorm>(out, kBackboneEpsilon, kBackboneMomentum))) {}
+          "1", std::make_shared<sparse::BatchNorm>(out, kBackboneEpsilon))) {}
 
 sparse::SparseTensor VoxelLayer::forward(const sparse::SparseTensor& input) const {
   if (sparse::folds(*norm_)) {

@@ -115,6 +115,28 @@ TEST_P(PvRcnnStages, GradientsReachEveryParameter) {
   EXPECT_FALSE(all.proposals.boxes.requires_grad());
 }
 
+TEST_P(PvRcnnStages, ABatchMovesTheBackbonesStatisticsByTheMomentum) {
+  const auto means_after_a_batch = [](const char* momentum) {
+    at::manual_seed(3);
+    Network network(small_options(GetParam(), {momentum}));
+    network.train();
+    (void)run(network, batch_of({made_scan(1)}, network.options()));
+    std::vector<at::Tensor> means;
+    for (const auto& buffer : network.named_buffers()) {
+      const bool backbone = buffer.key().starts_with("backbone_");
+      if (backbone && buffer.key().ends_with("running_mean")) means.push_back(buffer.value());
+    }
+    return means;
+  };
+  const auto little = means_after_a_batch("backbone_norm_momentum=0.1");
+  const auto much = means_after_a_batch("backbone_norm_momentum=0.4");
+  ASSERT_GT(little.size(), 6U);
+  for (std::size_t i = 0; i < little.size(); ++i) {
+    EXPECT_GT(little[i].abs().max().item<double>(), 0);
+    EXPECT_LT(largest_difference(little[i] * 4, much[i]), 1e-5);
+  }
+}
+
 TEST_P(PvRcnnStages, ScansWithoutPointsGoThrough) {
   Network network(small_options(GetParam()));
   network.eval();

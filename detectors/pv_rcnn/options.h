@@ -107,6 +107,10 @@ struct RegionOptions {
 struct PostOptions {
   /// Detections below this score are left out.
   double score = 0.1;
+  /// Metres, seen from above, that a region's pointwise box must keep from the sensor, or it is
+  /// left out before suppression: what is so near is the vehicle that carries the sensor. 0:
+  /// nothing is.
+  double clearance = 0;
   double nms_iou = 0.1;
   int nms_candidates = 4096, detections = 500;
   bool nms_class_aware = false;
@@ -137,6 +141,12 @@ struct PostOptions {
     using Self = PostOptions;
     visitor.field("score", &Self::score,
                   {.help = "Detections below this score are left out", .low = 0, .high = 1});
+    visitor.field("clearance", &Self::clearance,
+                  {.help = "Boxes that come nearer to the sensor, seen from above, are left out as "
+                           "the own vehicle; 0: none",
+                   .unit = "m",
+                   .low = 0,
+                   .high = 100});
     visitor.field("nms_iou", &Self::nms_iou,
                   {.help = "Of two detections that overlap more than this from above the better "
                            "one stays",

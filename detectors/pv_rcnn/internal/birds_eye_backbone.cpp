@@ -20,9 +20,8 @@ MapLayer::MapLayer(torch::nn::Module& sequence, int place, std::int64_t in, std:
   weight_ = add_child(sequence, std::to_string(place))
                 ->register_parameter("weight", initial_weight({rows, columns, kernel, kernel},
                                                               columns * kernel * kernel));
-  norm_ = sequence.register_module(
-      std::to_string(place + 1),
-      std::make_shared<sparse::BatchNorm>(out, kBackboneEpsilon));
+  norm_ = sequence.register_module(std::to_string(place + 1),
+                                   std::make_shared<sparse::BatchNorm>(out, kBackboneEpsilon));
 }
 
 FoldedLayer MapLayer::folded() const {

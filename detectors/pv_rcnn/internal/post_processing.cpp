@@ -37,8 +37,17 @@ struct Candidates {
   }
 };
 
-/// Regions with finite numbers and a score of at least `score`, with their pointwise boxes.
-Candidates scored(const RegionResults& results, double score, std::int64_t& dropped) {
+/// Distance between the sensor, at the origin, and a yaw-only box, seen from above.
+double distance_from_sensor(const geometry::Box& box) {
+  const Eigen::Vector3d sensor = box.rotation.conjugate() * -box.center;
+  const Eigen::Vector2d outside = sensor.head<2>().cwiseAbs() - box.size.head<2>() / 2;
+  return outside.cwiseMax(0).norm();
+}
+
+/// Regions with finite numbers, a score of at least `score` and enough clearance, with their
+/// pointwise boxes.
+Candidates scored(const RegionResults& results, double score, double clearance,
+                  std::int64_t& dropped) {
   const Proposals& proposals = results.proposals;
   const Tensor finite = at::isfinite(results.second.features)
                             .all(1)
@@ -55,7 +64,8 @@ Candidates scored(const RegionResults& results, double score, std::int64_t& drop
     const std::int64_t row = boxes.rows[i];
     if (!finite.data_ptr<bool>()[row]) {
       ++dropped;
-    } else if (sigmoid.data_ptr<double>()[row] >= score) {
+    } else if (sigmoid.data_ptr<double>()[row] >= score &&
+               distance_from_sensor(boxes.boxes[i]) >= clearance) {
       candidates.add(row, sigmoid.data_ptr<double>()[row],
                      static_cast<int>(labels.data_ptr<std::int64_t>()[row]), boxes.boxes[i]);
     }
@@ -150,7 +160,7 @@ DetectionResult to_detections(const Network& network, heads::BoxHead& head,
   const Options& options = network.options();
   DetectionResult result;
   const double least = std::max(options.post.score, request.score);
-  Candidates candidates = scored(results, least, result.dropped_boxes);
+  Candidates candidates = scored(results, least, options.post.clearance, result.dropped_boxes);
   const bool decode_first = options.post.nms_on == "decoded";
   if (!decode_first) candidates = candidates.select(suppressed(candidates, options.post));
   if (candidates.rows.empty()) return result;

@@ -25,8 +25,8 @@ VoxelLayer::VoxelLayer(torch::nn::Module& parent, std::int64_t in, std::int64_t 
                        const sparse::Kernel& kernel)
     : convolution_(
           parent.register_module("0", std::make_shared<sparse::GridConvolution>(in, out, kernel))),
-      norm_(parent.register_module(
-          "1", std::make_shared<sparse::BatchNorm>(out, kBackboneEpsilon))) {}
+      norm_(parent.register_module("1",
+                                   std::make_shared<sparse::BatchNorm>(out, kBackboneEpsilon))) {}
 
 sparse::SparseTensor VoxelLayer::forward(const sparse::SparseTensor& input) const {
   if (sparse::folds(*norm_)) {

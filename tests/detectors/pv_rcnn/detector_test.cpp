@@ -107,6 +107,38 @@ TEST(PvRcnnDetector, SuppressionOfDecodedBoxesLeavesThemApart) {
   EXPECT_EQ(geometry::nms(boxes, scores, {.threshold = 0.3}).kept.size(), boxes.size());
 }
 
+/// Of a grid of points over the box's footprint, the distance of the one nearest to the sensor.
+double nearest_of_many(const geometry::Box& box) {
+  double nearest = 1e9;
+  for (double x = -0.5; x <= 0.5; x += 0.005) {
+    for (double y = -0.5; y <= 0.5; y += 0.005) {
+      const Eigen::Vector3d inside = box.size.cwiseProduct(Eigen::Vector3d(x, y, 0));
+      const Eigen::Vector3d point = box.center + box.rotation * inside;
+      nearest = std::min(nearest, point.head<2>().norm());
+    }
+  }
+  return nearest;
+}
+
+TEST(PvRcnnDetector, BoxesThatReachTheSensorAreLeftOutIfAsked) {
+  const auto scan = made_scan(1);
+  const auto distances = [&](const std::vector<std::string>& options) {
+    std::vector<double> result;
+    for (const auto& found : made_detector(options).detect(view_of(scan)).detections) {
+      result.push_back(nearest_of_many(found.box));
+    }
+    std::sort(result.begin(), result.end());
+    return result;
+  };
+  const auto all = distances({"post.box=pointwise", "post.nms_iou=1"});
+  const std::size_t half = all.size() / 2;
+  ASSERT_GT(all[half], all[half - 1] + 0.02) << "another scan: two boxes are equally far";
+  const double clearance = (all[half] + all[half - 1]) / 2;
+  const auto clear = distances(
+      {"post.box=pointwise", "post.nms_iou=1", "post.clearance=" + std::to_string(clearance)});
+  EXPECT_EQ(clear, std::vector<double>(all.begin() + static_cast<long>(half), all.end()));
+}
+
 TEST(PvRcnnDetector, PointwiseHeadSaysThatItHasNoDistribution) {
   at::manual_seed(5);
   auto network = std::make_shared<Network>(small_options(false));

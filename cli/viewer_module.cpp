@@ -18,7 +18,7 @@ ViewInteractively& open_viewer() {
   const std::filesystem::path file = plugin_folders().back().parent_path() / kViewerFile;
   if (!std::filesystem::is_regular_file(file)) {
     throw NotAvailable("this installation of Arbox has no viewer: " + file.string() +
-                       " is missing, install the component 'viewer' (or use --html, --output)");
+                       " is missing, install the package arbox-viewer (or use --html, --output)");
   }
   static auto* const library = new boost::dll::shared_library(
       file, boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);

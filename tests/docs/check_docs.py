@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks the pages: links lead somewhere, every page can be reached, and commands work.
+"""Checks the pages: links lead somewhere, every page can be reached, every head, detector and layout of
+datasets that the program knows has its page, and commands work.
 
 check_docs.py ROOT PROGRAM [--installed PREFIX]. Pages are README.md, CONTRIBUTING.md and docs/**/*.md. A block
 
@@ -54,6 +55,23 @@ def unreachable(root, pages):
             for page in pages if page.is_relative_to(root / "docs") and page not in seen]
 
 
+def output_of(program, *words):
+    return subprocess.run([program, *words], capture_output=True, text=True, check=True).stdout
+
+
+def missing_pages(root, program):
+    named = re.findall(r"^(head|detector|train)/(\w+)", output_of(program, "config", "list"), re.M)
+    wanted = {f"docs/{'heads' if kind == 'head' else 'detectors'}/{name}.md" for kind, name in named}
+    missing = [f"{page}: no such page" for page in sorted(wanted) if not (root / page).exists()]
+    layouts = re.search(r"--to-layout TEXT:\{([^}]*)\}", output_of(program, "convert", "--help"))
+    table = re.findall(r"^\| (`.*?) \|.*\]\(\w+\.md", (root / "docs/datasets/README.md").read_text(), re.M)
+    paged = re.findall(r"`([^`]+)`", " ".join(table))
+    missing += [f"docs/datasets/README.md: no page for the layout {layout}"
+                for layout in layouts[1].split(",") if layout not in paged]
+    print(f"{len(wanted)} heads and detectors, {len(paged)} layouts with their pages")
+    return missing if len(wanted) > 6 and len(paged) > 12 else missing + ["heads, layouts: not found"]
+
+
 def failed_blocks(root, page, program, prefix):
     failures = []
     blocks = BLOCKS["installed" if prefix else "runnable"].findall(page.read_text())
@@ -76,7 +94,8 @@ def main():
     root, program = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
     pages = pages_of(root)
     prefix = sys.argv[4] if sys.argv[3:4] == ["--installed"] else ""
-    problems = [] if prefix else broken_links(pages) + unreachable(root, pages)
+    problems = [] if prefix else (
+        broken_links(pages) + unreachable(root, pages) + missing_pages(root, program))
     count = 0
     for page in pages:
         failures, blocks = failed_blocks(root, page, program, prefix)

@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# packages.sh BUILD ROOT: builds the Debian packages, looks at them, and, where that is possible,
-# installs them in a clean Debian 12 root and runs them there. Exit code 77: not possible here.
+# packages.sh BUILD ROOT VIEWER_TEST: builds the Debian packages, looks at them, and, where that is
+# possible, installs them in a clean Debian 12 root and runs them there; VIEWER_TEST, which presses
+# keys in the viewer's window, runs from here with the program of that root. Exit code 77: not
+# possible here.
 set -euo pipefail
-build=$1 root=$2
+build=$1 root=$2 viewer_test=$3
 work=$(mktemp -d)
 clean() {
   mountpoint -q "$work/debian/proc" && umount "$work/debian/proc"
@@ -59,6 +61,24 @@ install /root/arbox_*.deb || fail "arbox does not install"
 inside arbox detect /root/street.bin --detector cluster_fit --quantile 0.2 --format csv | grep Car > /dev/null || fail "no car found"
 inside arbox config show head/autoregressive | grep hidden > /dev/null || fail "LibTorch's part does not open"
 inside arbox view --cloud /root/street.bin --html /root/page.html
-inside sh -c 'arbox view --cloud /root/street.bin --interactive; [ $? -eq 2 ]' 2> /dev/null ||
-  fail "the viewer without a display did not end with 2"
+# refused CODE TEXT [NAME=VALUE]: the viewer ends with CODE and says TEXT.
+refused() {
+  local code=0
+  inside env -u DISPLAY "${@:3}" arbox view --cloud /root/street.bin --interactive > "$work/said" 2>&1 || code=$?
+  [ "$code" -eq "$1" ] && grep -F "$2" "$work/said" > /dev/null || {
+    cat "$work/said"; fail "the viewer ended with $code, expected $1 and '$2'"; }
+}
+refused 2 'DISPLAY is not set'
+refused 1 'install the package arbox-viewer' DISPLAY=:4242
+install /root/arbox-viewer_*.deb || fail "arbox-viewer does not install"
+refused 2 'DISPLAY is not set'
+refused 2 "':4242' cannot be opened" DISPLAY=:4242
+# The program of the root under the name of a program of ours; both see the files that the test
+# writes under the same names.
+printf '#!/bin/sh\nexec chroot "%s" arbox "$@"\n' "$work/debian" > "$work/arbox"
+chmod +x "$work/arbox"
+mkdir -p "$work/debian$work/shared" "$work/debian$root/examples/data"
+ln -s "$work/debian$work/shared" "$work/shared"
+cp "$root/examples/data/street.bin" "$work/debian$root/examples/data/"
+TMPDIR="$work/shared" ARBOX_PROGRAM="$work/arbox" "$viewer_test" || fail "the viewer does not work"
 echo "packages: installed and run in a clean Debian 12"

@@ -30,6 +30,8 @@ free_of arbox-io 'torch|opencv|vtk'
 has arbox usr/bin/arbox
 has arbox usr/lib/arbox/libarbox_program_torch.so
 has arbox usr/share/arbox/example_head
+has arbox usr/share/arbox/examples/street.bin
+has arbox usr/share/arbox/models/pv_rcnn_compact.arbox
 needs arbox arbox-io
 needs arbox torch
 free_of arbox 'vtk|cgal'
@@ -81,4 +83,12 @@ mkdir -p "$work/debian$work/shared" "$work/debian$root/examples/data"
 ln -s "$work/debian$work/shared" "$work/shared"
 cp "$root/examples/data/street.bin" "$work/debian$root/examples/data/"
 TMPDIR="$work/shared" ARBOX_PROGRAM="$work/arbox" "$viewer_test" || fail "the viewer does not work"
+
+# What docs/plugin-author.md asks for is enough to build a plugin.
+needed=$(sed -n 's/^ *sudo apt install \(g++ .*\)/\1/p' "$root/docs/plugin-author.md")
+install "${needed:-no-such-package}" || fail "what plugins need does not install: $needed"
+inside sh -c '(cmake -S /usr/share/arbox/example_head -B /root/head && cmake --build /root/head) > /tmp/log 2>&1 ||
+  { tail -n 20 /tmp/log; exit 1; }' || fail "the example head does not build"
+inside arbox plugins check /root/head/libarbox_head_linear_gaussian.so | grep 'fits this build' > /dev/null ||
+  fail "the example head does not fit"
 echo "packages: installed and run in a clean Debian 12"

@@ -101,7 +101,7 @@ void compare_build(const ArboxBuildFingerprint& plugin, const std::string& libto
   comparison.text("LibTorch", plugin.libtorch, libtorch);
   comparison.number("EIGEN_MAX_ALIGN_BYTES", plugin.eigen_max_align_bytes,
                     kHost.eigen_max_align_bytes);
-  comparison.number("NDEBUG", plugin.ndebug, kHost.ndebug);
+  comparison.number("NDEBUG (CMAKE_BUILD_TYPE=Release sets it)", plugin.ndebug, kHost.ndebug);
   comparison.finish(file);
 }
 

@@ -147,7 +147,7 @@ TEST(LoadPlugin, RefusesAnotherBuildWithBothValuesOfEveryDifference) {
                     HasSubstr("C++ standard: the plugin has 199711, Arbox has 2"),
                     HasSubstr("LibTorch: the plugin has '2.9.9', Arbox has ''"),
                     HasSubstr("EIGEN_MAX_ALIGN_BYTES: the plugin has 128, Arbox has "),
-                    HasSubstr("NDEBUG: the plugin has ")));
+                    HasSubstr("NDEBUG (CMAKE_BUILD_TYPE=Release sets it): the plugin has ")));
 }
 
 TEST(LoadPlugin, RefusesAPluginOfAKindThatNeedsLibTorchWithoutIt) {

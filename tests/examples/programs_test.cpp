@@ -32,10 +32,10 @@ void expect_usage(const char* program) {
   EXPECT_THAT(missing.errors, HasSubstr("missing.bin"));
 }
 
-void expect_pipeline(const std::string& scan, std::size_t objects) {
+void expect_pipeline(const std::string& scan, const std::string& detector, std::size_t objects) {
   const TemporaryDirectory folder;
   const std::string mesh = folder / "boxes.ply";
-  const RunResult result = run(PCL_PIPELINE, {scan, "cluster_fit", mesh});
+  const RunResult result = run(PCL_PIPELINE, {scan, detector, mesh}, {.timeout_seconds = 120});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   const auto points = numbers_after(result.output, ": ");
   EXPECT_GE(points.size(), objects) << result.output;
@@ -48,13 +48,17 @@ void expect_pipeline(const std::string& scan, std::size_t objects) {
 }
 
 TEST(PclPipeline, GivesEachObjectItsClusters) {
-  expect_pipeline(kStreet, 8);
+  expect_pipeline(kStreet, "cluster_fit", 8);
   expect_usage(PCL_PIPELINE);
 }
 
 TEST(PclPipeline, RunsOnARealScan) {
   ARBOX_REQUIRE_DATA(scan, "kitti/training/velodyne/000008.bin");
-  expect_pipeline(scan, 5);
+  expect_pipeline(scan, "cluster_fit", 5);
+}
+
+TEST(PclPipeline, TakesATrainedModel) {
+  expect_pipeline(kStreet, ARBOX_MODELS "/pv_rcnn_compact.arbox", 12);
 }
 
 void expect_plan(const std::string& scan) {

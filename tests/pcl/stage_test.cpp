@@ -8,6 +8,7 @@
 #include <set>
 
 #include "arbox/detectors/cluster_fit/cluster_fit.h"
+#include "arbox/detectors/open_detector.h"
 #include "arbox/io/point_cloud_file.h"
 #include "arbox/plugins/pcl/box_detector.h"
 #include "arbox/plugins/pcl/box_filter.h"
@@ -204,6 +205,33 @@ TEST(BoxDetectorStage, TakesOrganisedCloudsWithHoles) {
     EXPECT_EQ(objects[i].indices, inside);
     EXPECT_GT(inside.size(), 5u);
   }
+}
+
+TEST(BoxDetectorStage, FindsWithATrainedModelInOrganisedCloudsWithHoles) {
+  const std::string model = ARBOX_MODELS "/pv_rcnn_compact.arbox";
+  const auto cloud = organised_street();
+  const auto view = street().view();
+  std::size_t next = 0;
+  for (auto& point : *cloud) {
+    if (::pcl::isFinite(point)) {
+      point.intensity = static_cast<float>(view.value(*view.find("intensity"), next++));
+    }
+  }
+  ASSERT_EQ(next, view.size());
+  pcl::BoxDetector<::pcl::PointXYZI> detector;
+  detector.setInputCloud(cloud);
+  detector.setModel(model);
+  detector.setQuantile(0.2);
+  std::vector<Detection> detections;
+  detector.detect(detections);
+  ASSERT_GE(detections.size(), 15u);
+  expect_same(
+      detections,
+      detectors::open_detector(model)->detect(view, {.quantiles = {0.2}, .score = 0.3}).detections);
+  std::vector<::pcl::PointIndices> objects;
+  detector.segment(objects);
+  ASSERT_EQ(objects.size(), detections.size());
+  EXPECT_GT(objects[0].indices.size(), 50u);
 }
 
 TEST(BoxDetectorStage, LooksAtTheIndicesAlone) {

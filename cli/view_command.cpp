@@ -10,6 +10,7 @@
 #include "arbox/cli/dataset_command.h"
 #include "arbox/cli/masked_picture.h"
 #include "arbox/cli/option_flags.h"
+#include "arbox/cli/picture_frame.h"
 #include "arbox/cli/picture_output.h"
 #include "arbox/cli/standard_input.h"
 #include "arbox/cli/viewer_module.h"
@@ -21,8 +22,11 @@
 namespace arbox::cli {
 namespace {
 
+// Rooms are seen from where depth cameras stand, which look along y.
+constexpr double kRoomAzimuth = -110.0;
+
 struct ViewFlags {
-  std::string cloud, boxes, labels, calibration, image, output, html;
+  std::string cloud, frame = "lidar", boxes, labels, calibration, image, output, html;
   bool interactive = false;
   std::string dataset, scene_name;
   io::DatasetOptions dataset_options;
@@ -30,28 +34,6 @@ struct ViewFlags {
   io::ReadOptions read;
   drawing::SceneOptions scene;
 };
-
-/// From a camera that looks down into a bin to a frame whose x axis is up in its image and whose z
-/// axis comes towards it, as pictures from above have them.
-Eigen::Matrix3d bin_from_camera() {
-  Eigen::Matrix3d turn;
-  turn << 0, -1, 0, -1, 0, 0, 0, 0, -1;
-  return turn;
-}
-
-/// Points and boxes of a bin in that frame.
-io::LabeledScene seen_from_above(io::LabeledScene scene) {
-  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
-  turn.linear() = bin_from_camera();
-  for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
-    Eigen::Map<Eigen::Vector3f> point(scene.cloud.values.data() + i * scene.cloud.columns());
-    point = (turn.linear().cast<float>() * point).eval();
-  }
-  for (io::LabeledObject& object : scene.objects) {
-    object.box = geometry::transformed(object.box, turn);
-  }
-  return scene;
-}
 
 void check(const ViewFlags& flags) {
   if (flags.output.empty() && flags.html.empty() && !flags.interactive) {
@@ -66,6 +48,10 @@ void check(const ViewFlags& flags) {
   }
   if (flags.cloud == "-" && flags.boxes == "-") {
     throw UsageError("only one of --cloud and --boxes can come from standard input");
+  }
+  if (flags.frame != "lidar" && !(flags.dataset.empty() && flags.calibration.empty())) {
+    throw UsageError(
+        "--frame is for --cloud without --calib: datasets and calibrations say theirs");
   }
   if (!flags.image.empty() && flags.calibration.empty()) {
     throw UsageError("--image needs --calib FILE to know where the camera stands");
@@ -112,37 +98,41 @@ void present(const ViewFlags& flags, const drawing::Scene& scene, drawing::Scene
 void view_dataset(const ViewFlags& flags) {
   const auto dataset = io::open_dataset(flags.dataset, flags.dataset_options);
   const io::LabeledScene loaded = find_scene(*dataset, flags.scene_name);
-  const io::LabeledScene shown = loaded.images ? seen_from_above(loaded)
-                                 : loaded.frame == io::SceneFrame::kCamera
-                                     ? io::converted(loaded, io::SceneFrame::kRoom)
-                                     : loaded;
+  const Eigen::Matrix3d rotation = picture_from(loaded.frame, loaded.images.has_value());
+  geometry::PointCloud cloud = loaded.cloud;
+  turn(cloud, rotation);
   drawing::Scene scene;
-  scene.cloud = shown.cloud.view();
-  scene.truth = to_truth(shown.objects);
-  for (const io::LabeledObject& object : shown.objects) {
+  scene.cloud = cloud.view();
+  scene.truth = to_truth(loaded.objects);
+  turn(scene.truth, rotation);
+  for (const io::LabeledObject& object : loaded.objects) {
     scene.truth_has_front.push_back(object.heading == io::Heading::kKnown);
   }
   if (!flags.boxes.empty()) {
-    scene.predictions = read_boxes(flags.boxes, KittiText::kResults, shown.name, shown.calibration);
+    scene.predictions =
+        read_boxes(flags.boxes, KittiText::kResults, loaded.name, loaded.calibration);
+    turn(scene.predictions, rotation);
   }
   drawing::SceneOptions options = flags.scene;
   if (!flags.color_given && scene.cloud.find("r") != nullptr) {
     options.color = drawing::PointColor::kRgb;
   }
-  // Rooms are seen from where depth cameras stand, which look along y; all objects of a bin are
-  // "object".
-  if (!flags.azimuth_given && shown.frame == io::SceneFrame::kRoom) options.azimuth = -110.0;
+  // All objects of a bin are "object".
+  const bool room = loaded.frame != io::SceneFrame::kLidar && !loaded.images;
+  if (!flags.azimuth_given && room) options.azimuth = kRoomAzimuth;
   if (!flags.captions_given && loaded.images) options.captions = false;
-  if (shown.photo) {
-    scene.photo = {drawing::read_image(shown.photo->path), shown.photo->projection};
+  if (loaded.photo) {
+    scene.photo = {drawing::read_image(loaded.photo->path), loaded.photo->projection};
   }
   if (loaded.images) {
     scene.photo = drawing::Photo{masked_picture(*loaded.images), {}};
     scene.photo->projection.setZero();
-    scene.photo->projection.leftCols<3>() =
-        loaded.images->intrinsic * bin_from_camera().transpose();
+    scene.photo->projection.leftCols<3>() = loaded.images->intrinsic;
   }
-  present(flags, scene, options, shown.name);
+  if (scene.photo) {
+    scene.photo->projection.leftCols<3>() *= rotation.transpose();
+  }
+  present(flags, scene, options, loaded.name);
 }
 
 void view(const ViewFlags& flags) {
@@ -151,11 +141,14 @@ void view(const ViewFlags& flags) {
     view_dataset(flags);
     return;
   }
-  const io::PointCloudFile cloud = read_point_cloud_input(flags.cloud, flags.read);
+  io::PointCloudFile cloud = read_point_cloud_input(flags.cloud, flags.read);
   std::optional<io::KittiCalibration> calibration;
   if (!flags.calibration.empty()) {
     calibration = io::read_kitti_calibration(flags.calibration);
   }
+  const io::SceneFrame frame = io::frame_named(flags.frame);
+  const Eigen::Matrix3d rotation = picture_from(frame, true);
+  turn(cloud.points, rotation);
   const std::string scan = std::filesystem::path(flags.cloud).stem().string();
   drawing::Scene scene;
   scene.cloud = cloud.points.view();
@@ -165,8 +158,12 @@ void view(const ViewFlags& flags) {
   if (!flags.labels.empty()) {
     scene.truth = read_boxes(flags.labels, KittiText::kLabels, scan, calibration);
   }
+  turn(scene.predictions, rotation);
+  turn(scene.truth, rotation);
   if (!flags.image.empty()) scene.photo = read_photo(flags.image, *calibration);
-  present(flags, scene, flags.scene, scan);
+  drawing::SceneOptions options = flags.scene;
+  if (!flags.azimuth_given && frame == io::SceneFrame::kRoom) options.azimuth = kRoomAzimuth;
+  present(flags, scene, options, scan);
 }
 
 }  // namespace
@@ -179,6 +176,14 @@ void add_view(CLI::App& app) {
       ->add_option("--cloud", flags->cloud,
                    "Point cloud: .pcd .ply .bin .npy .npz or text; - for standard input")
       ->type_name("FILE");
+  command
+      ->add_option(
+          "--frame", flags->frame,
+          "Frame of --cloud and its boxes: lidar and room have z up; camera has x right, y "
+          "down, z forward and is shown as the camera sees it")
+      ->check(CLI::IsMember({"lidar", "room", "camera"}))
+      ->capture_default_str()
+      ->type_name("NAME");
   command->add_option("--dataset", flags->dataset, "Folder of a dataset, in place of --cloud")
       ->type_name("DIR");
   command->add_option("--scene", flags->scene_name, "Scene of the dataset (default: its first one)")
@@ -225,6 +230,8 @@ void add_view(CLI::App& app) {
         "A scene of a dataset with its labels and photo"},
        {"arbox detect 000008.bin --samples | arbox view --cloud 000008.bin --boxes - --html a.html",
         "A page to turn and step through the quantiles"},
+       {"arbox view --cloud depth.pcd --frame camera --color rgb --output a.png",
+        "What a depth camera saw, in its own frame"},
        {"arbox view --cloud room.ply --color rgb --view perspective --elevation 50 --output a.png",
         "A room in its own colours, from further above"}});
   command->callback([command, flags] {

@@ -54,15 +54,22 @@ constexpr std::array<Color, 7> kPalette = {{{0, 114, 178},
                                             {86, 180, 233},
                                             {90, 90, 90}}};
 
-constexpr std::array<std::pair<std::string_view, Color>, 8> kClassColors = {
-    {{"Car", {213, 94, 0}},
-     {"Pedestrian", {196, 60, 140}},
-     {"Cyclist", {0, 140, 95}},
-     {"Van", {230, 159, 0}},
-     {"Truck", {150, 75, 20}},
-     {"Person_sitting", {204, 121, 167}},
-     {"Tram", {170, 40, 40}},
-     {"Misc", {110, 110, 110}}}};
+constexpr std::array<std::pair<std::string_view, Color>, 29> kClassColors = {
+    {{"Car", {213, 94, 0}},           {"Pedestrian", {196, 60, 140}},
+     {"Cyclist", {0, 140, 95}},       {"Van", {230, 159, 0}},
+     {"Truck", {150, 75, 20}},        {"Person_sitting", {204, 121, 167}},
+     {"Tram", {170, 40, 40}},         {"Misc", {110, 110, 110}},
+     {"bathtub", {0, 150, 170}},      {"bed", {0, 158, 115}},
+     {"bookshelf", {150, 75, 20}},    {"cabinet", {86, 180, 233}},
+     {"chair", {0, 114, 178}},        {"counter", {130, 140, 30}},
+     {"curtain", {240, 140, 150}},    {"desk", {213, 94, 0}},
+     {"door", {230, 159, 0}},         {"dresser", {204, 121, 167}},
+     {"garbagebin", {90, 90, 90}},    {"lamp", {170, 40, 40}},
+     {"night_stand", {110, 60, 170}}, {"picture", {110, 190, 60}},
+     {"refrigerator", {70, 90, 210}}, {"showercurtrain", {120, 205, 185}},
+     {"sink", {165, 120, 60}},        {"sofa", {170, 40, 90}},
+     {"table", {160, 120, 255}},      {"toilet", {0, 95, 60}},
+     {"window", {0, 160, 200}}}};
 
 // Hue turns from sea green over blue to violet while the lightness moves linearly.
 Oklab cool_map(double t, double first_lightness, double last_lightness) {

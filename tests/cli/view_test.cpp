@@ -91,6 +91,45 @@ TEST_F(View, KittiLabelsAndCsvOfTheSameBoxGiveTheSamePicture) {
   EXPECT_EQ(from_kitti.pixels, from_csv.pixels);
 }
 
+TEST_F(View, ADepthCamerasCloudIsShownAsTheCameraSeesIt) {
+  // Right of the camera is right in the picture (-y from above), up is up (x), near is high (z).
+  const auto rows = [](auto&& place) {
+    std::string text = "x,y,z\n";
+    for (int i = 0; i < 2000; ++i) {
+      const double right = 0.001 * (i % 500), down = 0.0007 * i, forward = 1.0 + 0.05 * (i % 7);
+      text += place(right, down, forward) + "\n";
+    }
+    return text;
+  };
+  const auto joined = [](double a, double b, double c) {
+    return std::to_string(a) + "," + std::to_string(b) + "," + std::to_string(c);
+  };
+  const auto boxes = [](const std::string& center, const std::string& rotation) {
+    return R"({"source": "a", "detections": [{"class": "Car", "score": 1, "box": {"center": [)" +
+           center + R"(], "size": [0.4, 0.2, 0.1], "rotation": [)" + rotation + "]}}]}";
+  };
+  const std::string half = "0.70710678118654752";
+  cloud_ = folder_.write("seen.csv", rows(joined)).string();
+  boxes_ = folder_.write("seen.json", boxes("0.2, 0.5, 1.2", "1, 0, 0, 0")).string();
+  const Image seen = picture({"--frame", "camera", "--boxes", boxes_});
+  cloud_ = folder_
+               .write("turned.csv",
+                      rows([&](double r, double d, double f) { return joined(-d, -r, -f); }))
+               .string();
+  boxes_ =
+      folder_.write("turned.json", boxes("-0.5, -0.2, -1.2", "0, " + half + ", -" + half + ", 0"))
+          .string();
+  const Image turned = picture({"--boxes", boxes_});
+  ASSERT_EQ(seen.pixels.size(), turned.pixels.size());
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < seen.pixels.size(); ++i) {
+    different += seen.pixels[i] != turned.pixels[i] ? 1 : 0;
+  }
+  EXPECT_LT(different, seen.pixels.size() / 1000);
+  std::filesystem::remove(output_);
+  refused(2, {"--frame", "camera", "--calib", calibration_}, {"--frame", "--calib"});
+}
+
 TEST_F(View, DrawsBoxesOverThePhoto) {
   const std::string photo = (folder_ / "photo.png").string();
   drawing::write_image(Image(200, 100, {255, 255, 255}), photo);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include <cmath>
 
 namespace arbox::drawing {
@@ -38,6 +40,22 @@ TEST(Color, ClassesKeepTheirColorWhateverElseIsDrawn) {
   EXPECT_NE(class_color("Car"), class_color("Pedestrian"));
   EXPECT_NE(class_color("Car"), class_color("Cyclist"));
   EXPECT_NE(class_color("Pedestrian"), class_color("Cyclist"));
+}
+
+TEST(Color, FurnitureThatStandsTogetherDiffers) {
+  const char* const kClasses[] = {"bathtub",   "bed",     "bookshelf",    "cabinet",
+                                  "chair",     "curtain", "desk",         "door",
+                                  "dresser",   "lamp",    "window",       "counter",
+                                  "picture",   "table",   "night_stand",  "sofa",
+                                  "sink",      "toilet",  "refrigerator", "showercurtrain",
+                                  "garbagebin"};
+  for (const char* one : kClasses) {
+    for (const char* other : kClasses) {
+      const Color a = class_color(one), b = class_color(other);
+      const int apart = std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b);
+      EXPECT_TRUE(one == other || apart >= 40) << one << " and " << other;
+    }
+  }
 }
 
 TEST(Color, PaletteHasSevenColorsAndRepeats) {

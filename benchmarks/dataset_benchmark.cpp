@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -172,16 +173,43 @@ std::vector<fs::path> files_of(std::size_t scan) {
           base / "calib" / (name + ".txt")};
 }
 
+int open_to_read(const fs::path& file) { return ::open(file.c_str(), O_RDONLY | O_CLOEXEC); }
+
+/// The baseline: every byte of the files, in the checker's order, into one buffer a thread that
+/// stays in the cache.
+std::uint64_t read_all_scans(int threads) {
+  std::atomic<std::uint64_t> bytes = 0;
+  parallel_for(kScans, 1, threads, [&](std::int64_t begin, std::int64_t end) {
+    thread_local std::vector<char> buffer(std::size_t{1} << 19);
+    for (std::int64_t i = begin; i < end; ++i) {
+      for (const fs::path& file : files_of(static_cast<std::size_t>(i))) {
+        const int descriptor = open_to_read(file);
+        ssize_t got = 0;
+        while ((got = ::read(descriptor, buffer.data(), buffer.size())) > 0) {
+          bytes += static_cast<std::uint64_t>(got);
+        }
+        ::close(descriptor);
+      }
+    }
+  });
+  return bytes;
+}
+
 /// Has the files read from the disk next time.
 void forget_scans() {
   for (std::size_t i = 0; i < kScans; ++i) {
     for (const fs::path& file : files_of(i)) {
-      const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+      const int descriptor = open_to_read(file);
       if (descriptor < 0) continue;
       ::posix_fadvise(descriptor, 0, 0, POSIX_FADV_DONTNEED);
       ::close(descriptor);
     }
   }
+}
+
+void prepare(bool from_disk) {
+  forget_scans();
+  if (!from_disk) read_all_scans(default_threads());
 }
 
 void count_scans(benchmark::State& state) {
@@ -191,11 +219,10 @@ void count_scans(benchmark::State& state) {
 }
 
 void check_scans(benchmark::State& state) {
-  const bool cold = state.range(0) != 0;
   const auto dataset = io::open_dataset(scans());
   for (auto _ : state) {
     state.PauseTiming();
-    if (cold) forget_scans();
+    prepare(state.range(0) != 0);
     state.ResumeTiming();
     if (io::check_dataset(*dataset, "train").objects != kScanObjects * kScans) {
       state.SkipWithError("expected 10 objects a scan");
@@ -203,38 +230,30 @@ void check_scans(benchmark::State& state) {
   }
   count_scans(state);
 }
-BENCHMARK(check_scans)
-    ->ArgName("from_disk")
-    ->Arg(0)
-    ->Arg(1)
-    ->Iterations(1)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
 
-/// The baseline: the bytes of the same files, read by as many threads and thrown away.
 void read_scans(benchmark::State& state) {
-  const bool cold = state.range(0) != 0;
   scans();
   for (auto _ : state) {
     state.PauseTiming();
-    if (cold) forget_scans();
+    prepare(state.range(0) != 0);
     state.ResumeTiming();
-    parallel_for(kScans, 1, 2 * default_threads(), [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t i = begin; i < end; ++i) {
-        for (const fs::path& file : files_of(static_cast<std::size_t>(i))) {
-          benchmark::DoNotOptimize(io::read_file(file));
-        }
-      }
-    });
+    if (read_all_scans(static_cast<int>(state.range(1))) < kScans * kScanPoints * 16) {
+      state.SkipWithError("expected all bytes of the scans");
+    }
   }
   count_scans(state);
 }
-BENCHMARK(read_scans)
-    ->ArgName("from_disk")
-    ->Arg(0)
-    ->Arg(1)
-    ->Iterations(1)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+
+void once(benchmark::internal::Benchmark* benchmark) {
+  benchmark->Iterations(1)->Unit(benchmark::kMillisecond)->UseRealTime();
+}
+
+// In turns, since a disk's speed changes from one moment to the next.
+const int kReaders = default_threads(), kCheckers = 4 * default_threads();
+BENCHMARK(read_scans)->ArgNames({"from_disk", "threads"})->Args({1, kReaders})->Apply(once);
+BENCHMARK(check_scans)->ArgName("from_disk")->Arg(1)->Apply(once);
+BENCHMARK(read_scans)->ArgNames({"from_disk", "threads"})->Args({1, kCheckers})->Apply(once);
+BENCHMARK(check_scans)->ArgName("from_disk")->Arg(0)->Apply(once);
+BENCHMARK(read_scans)->ArgNames({"from_disk", "threads"})->Args({0, kReaders})->Apply(once);
 
 }  // namespace

@@ -24,7 +24,8 @@ Color mix(Color from, Color to, double t);
 Color palette_color(int i);
 
 /// The colour of an object class: fixed for the classes of the common data sets (Car, Pedestrian,
-/// bed, chair, ...), so that those that stand together differ, otherwise a palette colour that depends on the name alone.
+/// bed, chair, ...), so that those that stand together differ, otherwise a palette colour that
+/// depends on the name alone.
 Color class_color(std::string_view name);
 
 /// A colour map with lightness linear in t (clamped to [0, 1]; NaN gives t = 0) and cool hues, so

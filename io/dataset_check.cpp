@@ -17,6 +17,7 @@ using internal::Evidence;
 constexpr std::size_t kExamples = 5;
 // Mistakes are the same in all scans: some scans tell them.
 constexpr std::size_t kWeighed = 400;
+constexpr int kThreadsPerCore = 4;
 constexpr double kLargestSize = 60.0;
 constexpr double kSmallestSize = 0.005;
 constexpr double kSameBox = 0.9;
@@ -70,6 +71,17 @@ void check_object(const LabeledScene& scene, std::size_t i, const internal::Poin
   for (std::size_t m = 0; m < evidence.size(); ++m) found.evidence[m].add(evidence[m]);
 }
 
+/// What is weighed may lie anywhere; whether a box holds points is seen close to it.
+internal::PointGrid points_to_check(const LabeledScene& scene, bool weighed) {
+  if (weighed) return internal::PointGrid(scene.cloud.view());
+  std::vector<internal::Square> squares;
+  for (const LabeledObject& object : scene.objects) {
+    const internal::Square square = internal::around(object.box);
+    if (std::isfinite(square.x + square.y + square.reach)) squares.push_back(square);
+  }
+  return {scene.cloud.view(), squares};
+}
+
 SceneFindings check_scene(const DatasetReader& dataset, std::string_view split,
                           const std::string& name, bool weighed) {
   SceneFindings found;
@@ -82,8 +94,8 @@ SceneFindings check_scene(const DatasetReader& dataset, std::string_view split,
     found.points = scene.cloud.size();
     // What is known of mistakes stands on ground that lies below, not at the camera's z.
     const bool upright = scene.frame != SceneFrame::kCamera;
-    const internal::PointGrid grid(scene.cloud.view());
-    if (grid.empty()) found.places[kEmpty].push_back(name);
+    const internal::PointGrid grid = points_to_check(scene, weighed && upright);
+    if (!internal::has_finite_point(scene.cloud.view())) found.places[kEmpty].push_back(name);
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
       geometry::require_valid(scene.objects[i].box, place_of(scene, i));
       check_object(scene, i, grid, weighed && upright, found);
@@ -148,8 +160,8 @@ DatasetCheck check_dataset(const DatasetReader& dataset, std::string_view split,
   const std::vector<std::string> names = dataset.names(split);
   const std::size_t step = std::max<std::size_t>(1, names.size() / kWeighed);
   std::vector<SceneFindings> found(names.size());
-  // Some wait for the disk while others look at their points.
-  const int workers = threads == 0 ? 2 * default_threads() : threads;
+  // Most wait for the disk while others look at their points.
+  const int workers = threads == 0 ? kThreadsPerCore * default_threads() : threads;
   parallel_for(static_cast<std::int64_t>(names.size()), 1, workers,
                [&](std::int64_t begin, std::int64_t end) {
                  for (std::int64_t i = begin; i < end; ++i) {

@@ -1,5 +1,7 @@
 #include "arbox/io/file.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +18,43 @@ namespace {
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
   throw IoError(path.string() + ": " + what);
 }
+
+/// A file to read from, closed at the end.
+class OpenFile {
+ public:
+  explicit OpenFile(const std::filesystem::path& path)
+      : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (descriptor_ >= 0) return;
+    if (errno == ENOENT || errno == ENOTDIR) fail(path, "no such file");
+    fail(path, std::string("cannot be opened: ") + std::strerror(errno));
+  }
+  ~OpenFile() { ::close(descriptor_); }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  struct stat status() const {
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0) fail(path_, std::strerror(errno));
+    return status;
+  }
+
+  /// Up to `most` bytes; fewer only at the end.
+  std::size_t read(char* to, std::size_t most) const {
+    std::size_t done = 0;
+    while (done < most) {
+      const ssize_t got = ::read(descriptor_, to + done, most - done);
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) fail(path_, std::string("cannot be read: ") + std::strerror(errno));
+      if (got == 0) break;
+      done += static_cast<std::size_t>(got);
+    }
+    return done;
+  }
+
+ private:
+  const std::filesystem::path& path_;
+  int descriptor_;
+};
 
 std::string reason_not_written(const std::filesystem::path& path) {
   std::error_code error;
@@ -45,25 +84,21 @@ bool write_straight(const std::filesystem::path& path, std::string_view content)
 }  // namespace
 
 std::string read_file(const std::filesystem::path& path, std::uint64_t limit) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) fail(path, "no such file");
-  if (std::filesystem::is_directory(status)) fail(path, "expected a file, got a directory");
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) fail(path, std::string("cannot be opened: ") + std::strerror(errno));
+  const OpenFile file(path);
+  const struct stat status = file.status();
+  if (S_ISDIR(status.st_mode)) fail(path, "expected a file, got a directory");
   std::string content;
-  if (std::filesystem::is_regular_file(status)) {
-    content.resize(std::min<std::uint64_t>(std::filesystem::file_size(path), limit));
-    stream.read(content.data(), static_cast<std::streamsize>(content.size()));
-    if (static_cast<std::size_t>(stream.gcount()) != content.size()) fail(path, "cannot be read");
+  if (S_ISREG(status.st_mode)) {
+    content.resize(std::min<std::uint64_t>(static_cast<std::uint64_t>(status.st_size), limit));
+    if (file.read(content.data(), content.size()) != content.size()) fail(path, "cannot be read");
     return content;
   }
   char buffer[1 << 16];
-  while (content.size() < limit &&
-         (stream.read(buffer, static_cast<std::streamsize>(
-                                  std::min<std::uint64_t>(sizeof buffer, limit - content.size()))),
-          stream.gcount() > 0)) {
-    content.append(buffer, static_cast<std::size_t>(stream.gcount()));
+  while (content.size() < limit) {
+    const std::size_t most = std::min<std::uint64_t>(sizeof buffer, limit - content.size());
+    const std::size_t got = file.read(buffer, most);
+    content.append(buffer, got);
+    if (got < most) break;
   }
   return content;
 }

@@ -212,7 +212,7 @@ std::size_t compact(float* rows, std::size_t count, std::size_t width) {
 
 void convert_rows(const std::vector<Channel>& channels, PointCloudFile& file,
                   const ReadOptions& options) {
-  constexpr std::size_t kBlockNumbers = 16384;
+  constexpr std::size_t kBlockNumbers = 4096;
   const std::size_t width = channels.size(), rows = file.points_in_file;
   if (rows == 0) return;
   const std::size_t block = std::max<std::size_t>(1, kBlockNumbers / width);

@@ -91,7 +91,7 @@ Counts count(const PointGrid& points, const Box& box) {
   const Eigen::Vector2d shell = kShell * half.head<2>().array() + kMargin;
   const double bottom = -half.z() + kGround * box.size.z();
   Counts counts;
-  points.each_near(box.center.x(), box.center.y(), kShell * half.norm() + kMargin,
+  points.each_near({box.center.x(), box.center.y(), kShell * half.norm() + kMargin},
                    [&](const Eigen::Vector3f& point) {
                      const Eigen::Vector3d p = to_box * (point.cast<double>() - box.center);
                      if (p.z() < bottom || p.z() > half.z() + kMargin) return;
@@ -161,16 +161,20 @@ double fit(const PointGrid& points, const Box& box) {
   return share * std::sqrt(span.prod());
 }
 
+Square around(const Box& box) {
+  const double reach = (0.5 * box.size.array() + kMargin).matrix().norm();
+  return {box.center.x(), box.center.y(), reach};
+}
+
 std::size_t points_inside(const PointGrid& points, const Box& box, std::size_t enough) {
   const Eigen::Matrix3d to_box = box.rotation.conjugate().toRotationMatrix();
   const Eigen::Array3d half = 0.5 * box.size.array() + kMargin;
   std::size_t inside = 0;
-  points.each_near(box.center.x(), box.center.y(), half.matrix().norm(),
-                   [&](const Eigen::Vector3f& point) {
-                     if (inside >= enough) return;
-                     const Eigen::Vector3d p = to_box * (point.cast<double>() - box.center);
-                     if ((p.array().abs() <= half).all()) ++inside;
-                   });
+  points.each_near(around(box), [&](const Eigen::Vector3f& point) {
+    if (inside >= enough) return;
+    const Eigen::Vector3d p = to_box * (point.cast<double>() - box.center);
+    if ((p.array().abs() <= half).all()) ++inside;
+  });
   return inside;
 }
 

@@ -26,6 +26,9 @@ const std::vector<Mistake>& known_mistakes();
 /// times how much of its length and width they span. The lowest fifth is left out, where ground is.
 double fit(const PointGrid& points, const geometry::Box& box);
 
+/// Where the points lie that points_inside looks at.
+Square around(const geometry::Box& box);
+
 /// Points in a box, up to `enough`.
 std::size_t points_inside(const PointGrid& points, const geometry::Box& box, std::size_t enough);
 

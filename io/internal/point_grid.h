@@ -3,23 +3,37 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "arbox/geometry/point_cloud_view.h"
 
 namespace arbox::io::internal {
 
+/// True if a point of the cloud is finite.
+bool has_finite_point(const geometry::PointCloudView& cloud);
+
+/// A square seen from above: all points whose x and y are at most `reach` from the middle (metres).
+struct Square {
+  double x = 0.0, y = 0.0, reach = 0.0;
+};
+
 /// Points in square cells seen from above, so that a box looks at few of them. Points that are not
 /// finite are left out.
 class PointGrid {
  public:
+  /// Of all points.
   explicit PointGrid(const geometry::PointCloudView& cloud);
+  /// Of the points in the squares and of some around them; costs little for points far away.
+  PointGrid(const geometry::PointCloudView& cloud, std::span<const Square> squares);
 
   bool empty() const { return points_.empty(); }
-  /// Calls visit(point) for the points of all cells that touch the rectangle.
+  /// Calls visit(point) for the points of all cells that touch the square.
   template <class Visit>
-  void each_near(double x, double y, double reach, Visit&& visit) const {
+  void each_near(const Square& square, Visit&& visit) const {
     if (empty()) return;
+    const auto [x, y, reach] = square;
     const auto range = [](double low, double origin, double scale, int cells) {
       return static_cast<int>(std::clamp(std::floor((low - origin) * scale), -1.0, 1.0 * cells));
     };
@@ -36,6 +50,8 @@ class PointGrid {
   }
 
  private:
+  void sort(const std::vector<Eigen::Vector3f>& finite);
+
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   double scale_ = 1.0;
   int columns_ = 0, rows_ = 0;

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "arbox/base/error.h"
+#include "arbox/base/random.h"
 #include "io/made_scene.h"
 #include "support/program.h"
 
@@ -159,6 +160,103 @@ TEST(DatasetCheck, TellsBrokenEmptyAndPointlessScans) {
   EXPECT_EQ(check.classes.at("a").without_points, 1u);
   const auto again = io::check_dataset(dataset, "all", 1);
   EXPECT_EQ(again.findings.size(), check.findings.size());
+}
+
+/// Points and tilted boxes in `spread` metres around a place, each box of its own class.
+LabeledScene random_scene(std::uint32_t number, const Eigen::Vector3d& place, double spread) {
+  const RandomStream random(9, number, 0);
+  std::uint32_t draw = 0;
+  const auto vector = [&](double low, double high) {
+    Eigen::Vector3d result;
+    for (double& one : result) one = random.uniform(draw++, low, high);
+    return result;
+  };
+  LabeledScene scene{.name = std::to_string(number)};
+  for (int i = 0; i < 300; ++i) {
+    Eigen::Vector3f point = (place + vector(-spread, spread)).cast<float>();
+    if (i % 20 == 0) point[i / 20 % 3] = i % 40 == 0 ? INFINITY : NAN;
+    scene.cloud.values.insert(scene.cloud.values.end(), point.data(), point.data() + 3);
+  }
+  for (int i = 0; i < 6; ++i) {
+    const Eigen::Vector3d axis = vector(-1, 1).normalized();
+    LabeledObject object{.label = std::to_string(number) + "." + std::to_string(i)};
+    object.box = {place + vector(-1.2 * spread, 1.2 * spread), vector(0.01, 0.5) * spread,
+                  geometry::Quaternion(Eigen::AngleAxisd(random.uniform(draw++, -3, 3), axis))};
+    scene.objects.push_back(object);
+  }
+  return scene;
+}
+
+TEST(DatasetCheck, BoxesWithoutPointsAreThoseThatBruteForceFinds) {
+  constexpr double kMargin = 0.03;
+  MadeDataset dataset;
+  for (std::uint32_t i = 0; i < 1200; ++i) {
+    const double spread = std::pow(10.0, i % 5 - 1.0);
+    const Eigen::Vector3d place = Eigen::Vector3d(1, -2, 0.1) * (i % 3) * 1000.0;
+    dataset.scenes.push_back(random_scene(i, place, spread));
+  }
+  const auto check = io::check_dataset(dataset, "all");
+  std::size_t without = 0;
+  for (const LabeledScene& scene : dataset.scenes) {
+    for (const LabeledObject& object : scene.objects) {
+      const auto inside = io::points_in_boxes(scene.cloud.view(), {object.box}, kMargin);
+      const auto& summary = check.classes.at(object.label);
+      EXPECT_EQ(summary.without_points, inside[0].empty() ? 1u : 0u) << object.label;
+      without += summary.without_points;
+    }
+  }
+  EXPECT_GT(without, 1000u);
+  EXPECT_LT(without, 6200u);
+  ASSERT_NE(find(check, "box without points"), nullptr);
+  EXPECT_EQ(find(check, "box without points")->count, without);
+  EXPECT_EQ(find(check, "broken"), nullptr);
+  EXPECT_EQ(find(check, "empty scan"), nullptr);
+}
+
+TEST(DatasetCheck, BoxesFarBeyondAllMeasureAreCheckedAsWell) {
+  MadeDataset dataset;
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    dataset.scenes.push_back(random_scene(i, {0, 0, 0}, 1.0));
+    dataset.scenes.back().objects[0].box.center = {1e200, -1e36, 0};
+    dataset.scenes.back().objects[1].box.size = {1e35, 1e36, 1e9};
+    dataset.scenes.back().objects[1].box.center.setZero();
+    if (i == 501) dataset.scenes.back().cloud.values.assign(9, NAN);
+    if (i == 503) dataset.scenes.back().objects[2].box.size.x() = NAN;
+  }
+  const auto check = io::check_dataset(dataset, "all");
+  EXPECT_EQ(check.classes.at("7.0").without_points, 1u);
+  EXPECT_EQ(check.classes.at("7.1").without_points, 0u);
+  EXPECT_EQ(check.classes.at("501.1").without_points, 1u);
+  ASSERT_NE(find(check, "empty scan"), nullptr);
+  EXPECT_EQ(find(check, "empty scan")->examples, std::vector<std::string>{"501"});
+  ASSERT_NE(find(check, "broken"), nullptr);
+  EXPECT_EQ(find(check, "broken")->count, 1u);
+}
+
+TEST(DatasetCheck, EveryFindingAboutLabelsSaysHowToMendIt) {
+  MadeDataset dataset;
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    LabeledScene scene = testing::made_scene("s", 1 + i, io::SceneFrame::kLidar, {"a", "b"},
+                                             testing::MadeBoxes::kUpright);
+    for (LabeledObject& object : scene.objects) object.box.size *= 0.5;
+    scene.objects[0].box.size.x() = 70;
+    scene.objects[1].written_yaw = 90;
+    scene.objects.push_back(scene.objects[2]);
+    scene.objects.push_back(
+        {.label = "a", .box = geometry::make_yaw_box({0, 0, 500}, {1, 1, 1}, 0)});
+    dataset.scenes.push_back(scene);
+  }
+  dataset.scenes[7].cloud.values.clear();
+  dataset.scenes[7].point_objects.clear();
+  const auto check = io::check_dataset(dataset, "all");
+  for (const char* kind :
+       {"degrees", "empty scan", "box without points", "large box", "doubled box"}) {
+    EXPECT_NE(find(check, kind), nullptr) << kind;
+  }
+  for (const auto& finding : check.findings) {
+    EXPECT_FALSE(finding.mend.empty()) << finding.kind;
+    EXPECT_GT(finding.count, 0u) << finding.kind;
+  }
 }
 
 TEST(DatasetCheck, BinsBelowACameraAreNoMistake) {

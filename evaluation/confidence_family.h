@@ -19,9 +19,11 @@
 namespace arbox::evaluation {
 
 struct ConfidenceFamilyOptions {
-  /// Falling, in [0, 1), the last one 0.
-  std::vector<double> quantiles = {0.95, 0.90, 0.85, 0.80, 0.75, 0.70, 0.65, 0.60, 0.55, 0.50,
-                                   0.45, 0.40, 0.35, 0.30, 0.25, 0.20, 0.15, 0.10, 0.05, 0.0};
+  /// Falling, in [0, 1), the last one 0. The last ones are as close as 64 samples can tell apart:
+  /// many objects need one of these.
+  std::vector<double> quantiles = {0.95, 0.90, 0.85, 0.80, 0.75, 0.70, 0.65, 0.60, 0.55,
+                                   0.50, 0.45, 0.40, 0.35, 0.30, 0.25, 0.20, 0.15, 0.12,
+                                   0.10, 0.08, 0.07, 0.05, 0.04, 0.02, 0.0};
   /// How the quantile boxes are made.
   geometry::QuantileOptions quantile_box = {};
 };

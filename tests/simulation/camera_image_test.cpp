@@ -10,6 +10,7 @@
 #include "arbox/base/error.h"
 #include "arbox/simulation/models.h"
 #include "arbox/simulation/street_stream.h"
+#include "simulation/placed_model.h"
 
 namespace arbox::simulation {
 namespace {
@@ -188,18 +189,7 @@ TEST(CameraImage, PanesAreSeenThroughAndCountAsTheirObject) {
 /// Two cars side by side; the first has this brightness.
 Scene side_by_side(double brightness) {
   Scene scene;
-  for (const double y : {-2.0, 2.0}) {
-    const Eigen::Vector3d center(12, y, -1);
-    const Model& shape = model(ModelKind::kHatchback, 0);
-    Instance instance;
-    instance.mesh = shape.mesh;
-    instance.pose.translate(center);
-    instance.object = static_cast<std::int32_t>(scene.objects.size());
-    scene.instances.push_back(instance);
-    scene.objects.push_back({.label = "Car",
-                             .box = geometry::make_yaw_box(center, shape.size, 0.0),
-                             .velocity = Eigen::Vector3d::Zero()});
-  }
+  for (const double y : {-2.0, 2.0}) place_car(scene, ModelKind::kHatchback, {12, y, -1});
   scene.instances[0].brightness = brightness;
   return scene;
 }

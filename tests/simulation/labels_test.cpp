@@ -9,6 +9,7 @@
 #include "arbox/simulation/lidar_scan.h"
 #include "arbox/simulation/models.h"
 #include "arbox/simulation/street_stream.h"
+#include "simulation/placed_model.h"
 #include "simulation/resting_street.h"
 
 namespace arbox::simulation {
@@ -61,15 +62,7 @@ Scene two_cars(double second_y, ModelKind first = ModelKind::kHatchback) {
   Scene scene;
   for (const Eigen::Vector3d& center :
        {Eigen::Vector3d(12, 0, -1), Eigen::Vector3d(25, second_y, -1)}) {
-    const Model& shape = model(scene.objects.empty() ? first : ModelKind::kHatchback, 0);
-    Instance instance;
-    instance.mesh = shape.mesh;
-    instance.pose.translate(center);
-    instance.object = static_cast<std::int32_t>(scene.objects.size());
-    scene.instances.push_back(instance);
-    scene.objects.push_back({.label = "Car",
-                             .box = geometry::make_yaw_box(center, shape.size, 0.0),
-                             .velocity = Eigen::Vector3d::Zero()});
+    place_car(scene, scene.objects.empty() ? first : ModelKind::kHatchback, center);
   }
   return scene;
 }

@@ -69,13 +69,14 @@ void sampling(benchmark::State& state, double gain) {
   state.counters["most_prefixes"] = static_cast<double>(most);
 }
 
-void beam(benchmark::State& state) {
+void beam(benchmark::State& state, double smoothing) {
   const Features features(state.range(0));
   const SearchOptions options{.threads = static_cast<int>(state.range(2))};
   const PackedNetwork& network = estimator(1.0);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(beam_search(network, features.rows(),
-                                         static_cast<std::int32_t>(state.range(1)), {}, options));
+    benchmark::DoNotOptimize(beam_search(
+        network, features.rows(),
+        {.width = static_cast<std::int32_t>(state.range(1)), .smoothing = smoothing}, {}, options));
   }
 }
 
@@ -114,13 +115,14 @@ ARBOX_TIMED(sampling, random_weights, 1.0)
     ->Args({1, 64, 2})
     ->Args({100, 64, 2});
 ARBOX_TIMED(sampling, few_prefixes, kSure)->Args({15, 64, 2})->Args({100, 64, 2});
-ARBOX_TIMED_PLAIN(beam)
+ARBOX_TIMED(beam, likeliest_bins, 0.0)
     ->Args({15, 50, 2})
     ->Args({15, 50, 1})
     ->Args({15, 1, 2})
     ->Args({1, 50, 2})
     ->Args({1, 1, 2})
     ->Args({100, 50, 2});
+ARBOX_TIMED(beam, smoothed, 24.0)->Args({15, 50, 2})->Args({100, 50, 2})->Args({15, 16, 2});
 ARBOX_TIMED(sampling, thousand_objects, 1.0)->Args({1000, 64, 2})->Iterations(1);
 ARBOX_TIMED_PLAIN(packing);
 

@@ -71,17 +71,18 @@ std::int32_t AutoregressiveDistribution::known_count() const {
   return known_.defined() ? static_cast<std::int32_t>(known_.size(1)) : 0;
 }
 
-Draws AutoregressiveDistribution::mode(int beam_width) const {
-  require_beam_width(beam_width);
+Draws AutoregressiveDistribution::mode(const ModeOptions& options) const {
+  require_mode_options(options);
   const internal::PackedNetwork& network = model_->network();
   std::int64_t vectors = 1;
   for (std::int32_t i = known_count(); i < network.size(); ++i) {
-    vectors = std::min<std::int64_t>(beam_width, vectors * network[i].bins);
+    vectors = std::min<std::int64_t>(options.beam_width, vectors * network[i].bins);
   }
-  return draws_of(
-      internal::beam_search(network, feature_rows(inputs_), static_cast<std::int32_t>(vectors),
-                            known_prefix(known_), {.threads = model_->threads()}),
-      *model_, references_, known_count());
+  return draws_of(internal::beam_search(
+                      network, feature_rows(inputs_),
+                      {.width = static_cast<std::int32_t>(vectors), .smoothing = options.smoothing},
+                      known_prefix(known_), {.threads = model_->threads()}),
+                  *model_, references_, known_count());
 }
 
 Draws AutoregressiveDistribution::sample(int count, const Streams& streams,

@@ -22,7 +22,7 @@ class AutoregressiveDistribution : public BoxDistribution {
 
   std::int64_t size() const override { return inputs_.size(0); }
   Measure measure() const override { return Measure::kDensity; }
-  Draws mode(int beam_width) const override;
+  Draws mode(const ModeOptions& options) const override;
   Draws sample(int count, const Streams& streams, double temperature) const override;
   at::Tensor mean() const override;
   at::Tensor log_density(const at::Tensor& boxes) const override;

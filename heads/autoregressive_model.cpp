@@ -57,7 +57,10 @@ const internal::PackedNetwork& AutoregressiveModel::network() const {
     std::vector<internal::ComponentWeights> weights;
     for (std::size_t i = 0; i < components_.size(); ++i) {
       const Component& described = codec_->components()[i];
-      weights.push_back({.layers = {}, .low = described.low, .step = described.step()});
+      weights.push_back({.layers = {},
+                         .low = described.low,
+                         .step = described.step(),
+                         .circular = described.circular});
       for (const Layer& layer : components_[i]) {
         weights.back().layers.push_back({keep(layer.weight), keep(layer.bias),
                                          static_cast<std::int32_t>(layer.weight.size(1)),

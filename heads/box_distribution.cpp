@@ -36,10 +36,14 @@ void require_draws(int count, const Streams& streams, double temperature, std::i
   }
 }
 
-void require_beam_width(int width) {
-  if (width < 1) {
+void require_mode_options(const ModeOptions& options) {
+  if (options.beam_width < 1) {
     throw InvalidArgument("mode: expected a beam width of at least 1, got " +
-                          std::to_string(width));
+                          std::to_string(options.beam_width));
+  }
+  if (!(options.smoothing >= 0.0 && options.smoothing <= 1000.0)) {
+    throw InvalidArgument("mode: expected a smoothing of 0 to 1000 bins, got " +
+                          std::to_string(options.smoothing));
   }
 }
 

@@ -21,6 +21,17 @@ struct Draws {
   at::Tensor components;   ///< (N, K, D); undefined for heads outside of the codec's space.
 };
 
+/// How the most likely boxes are searched.
+struct ModeOptions {
+  /// Prefixes that a beam search keeps; also the most boxes that come back. At least 1.
+  int beam_width = 16;
+  /// Standard deviation, in bins, of the kernel that each conditional distribution over bins is
+  /// smoothed with before it is searched; 0 to 1000. At 0 the most likely bins win, as in the
+  /// paper. The highest bin of a wide distribution is an accident of its 512 outputs; smoothed, the
+  /// place with most probability around it wins. Heads without bins are smooth as they are.
+  double smoothing = 0.0;
+};
+
 /// Whether a head's likelihood is a density over components (bin mass divided by bin width, so that
 /// heads compare) or does not exist.
 enum class Measure { kNone, kDensity };
@@ -35,8 +46,9 @@ class BoxDistribution {
   virtual Measure measure() const = 0;
 
   /// The most likely boxes by beam search (section 4.1), best first; K <= beam_width. Vectors that
-  /// decode to the same physical box may both appear; each has the density of its vector alone.
-  virtual Draws mode(int beam_width) const = 0;
+  /// decode to the same physical box may both appear; each has the density of its vector alone, the
+  /// smoothed density where options.smoothing is not 0.
+  virtual Draws mode(const ModeOptions& options) const = 0;
 
   /// `count` independent draws of each object. Heads without a distribution repeat their one box.
   virtual Draws sample(int count, const Streams& streams, double temperature = 1.0) const = 0;
@@ -67,7 +79,7 @@ at::Tensor entropy(const BoxDistribution& distribution, int draws, const Streams
 
 /// \name Checks of arguments that every distribution makes; they throw InvalidArgument.
 /// @{
-void require_beam_width(int width);
+void require_mode_options(const ModeOptions& options);
 void require_draws(int count, const Streams& streams, double temperature, std::int64_t objects);
 void require_sizes(const at::Tensor& sizes, std::int64_t objects);
 /// @}

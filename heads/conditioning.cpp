@@ -61,7 +61,8 @@ std::vector<std::vector<internal::WeighedBox>> beams_of(const BoxDistribution& d
   const double each_order = -std::log(static_cast<double>(orders.size()));
   for (const Eigen::Vector3d& order : orders) {
     const Tensor sizes = size_rows(order, distribution.size());
-    const Draws mode = distribution.given_sizes(sizes)->mode(options.beam_width);
+    const Draws mode = distribution.given_sizes(sizes)->mode(
+        {.beam_width = options.beam_width, .smoothing = options.smoothing});
     const Tensor score = mode.log_density.to(at::kDouble) +
                          (options.score == "joint"
                               ? distribution.log_size_density(sizes).to(at::kDouble).unsqueeze(1)

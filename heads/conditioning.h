@@ -21,6 +21,8 @@ using geometry::KnownSize;
 struct ConditioningOptions {
   /// Beams of each search: one search for every known size and distinct order of its extents.
   int beam_width = 16;
+  /// ModeOptions::smoothing of each search.
+  double smoothing = 0.0;
   /// What is compared: "given_size", p(rest | size, h) as in the paper, averaged over the orders of
   /// the extents, or "joint", p(size | h) p(rest | size, h), summed over them, which also asks how
   /// likely the size is.
@@ -36,6 +38,11 @@ struct ConditioningOptions {
   static void describe(Visitor& visitor) {
     visitor.field("beam_width", &ConditioningOptions::beam_width,
                   {.help = "Beams of each search", .low = 1, .high = 65536});
+    visitor.field("smoothing", &ConditioningOptions::smoothing,
+                  {.help = "Standard deviation of the kernel that densities are smoothed with",
+                   .unit = "bins",
+                   .low = 0,
+                   .high = 1000});
     visitor.field(
         "score", &ConditioningOptions::score,
         {.help = "Density that known sizes are compared by", .choices = {"given_size", "joint"}});

@@ -16,6 +16,7 @@
 #include "arbox/base/random.h"
 #include "arbox/heads/box_tensor.h"
 #include "arbox/heads/internal/component_math.h"
+#include "arbox/heads/internal/row_smoother.h"
 
 namespace arbox::heads {
 namespace {
@@ -96,8 +97,26 @@ Draws DiscreteDistribution::draws_of(const Tensor& bins) const {
   return draws;
 }
 
-Draws DiscreteDistribution::mode(int beam_width) const {
-  require_beam_width(beam_width);
+DiscreteDistribution DiscreteDistribution::smoothed(double standard_deviation) const {
+  DiscreteDistribution result = *this;
+  internal::RowSmoother smoother(standard_deviation);
+  for (std::size_t i = 0; i < log_probability_.size(); ++i) {
+    Tensor& rows = result.log_probability_[i];
+    rows = rows.contiguous().clone();
+    for (std::int64_t n = 0; n < rows.size(0); ++n) {
+      smoother.smooth(
+          {rows.data_ptr<float>() + n * rows.size(1), static_cast<std::size_t>(rows.size(1))},
+          codec().components()[i].circular);
+    }
+  }
+  return result;
+}
+
+Draws DiscreteDistribution::mode(const ModeOptions& options) const {
+  require_mode_options(options);
+  if (options.smoothing > 0.0) {
+    return smoothed(options.smoothing).mode({.beam_width = options.beam_width});
+  }
   Tensor score = at::zeros({size(), 1});
   Tensor bins = at::zeros({size(), 1, 0}, at::kLong);
   for (std::size_t i = 0; i < log_probability_.size(); ++i) {
@@ -105,7 +124,8 @@ Draws DiscreteDistribution::mode(int beam_width) const {
     if (!is_known(static_cast<int>(i))) {
       const Tensor joint = score.unsqueeze(2) + log_probability_[i].unsqueeze(1);
       const Tensor flat = joint.flatten(1);
-      const auto [best, index] = flat.topk(std::min<std::int64_t>(beam_width, flat.size(1)), 1);
+      const auto [best, index] =
+          flat.topk(std::min<std::int64_t>(options.beam_width, flat.size(1)), 1);
       score = best;
       beam = index.div(joint.size(2), "floor");
       bin = index.remainder(joint.size(2));

@@ -18,12 +18,13 @@ class DiscreteDistribution : public IndependentDistribution {
   DiscreteDistribution(const std::vector<at::Tensor>& log_probability, CircularEnds ends,
                        std::shared_ptr<const BoxCodec> codec, const References& references);
 
-  Draws mode(int beam_width) const override;
+  Draws mode(const ModeOptions& options) const override;
   Draws sample(int count, const Streams& streams, double temperature) const override;
   at::Tensor mean() const override;
   at::Tensor log_density(const at::Tensor& boxes) const override;
 
  private:
+  DiscreteDistribution smoothed(double standard_deviation) const;
   std::unique_ptr<IndependentDistribution> clone() const override;
   void keep_rows(const at::Tensor& index) override;
   at::Tensor density_of(const at::Tensor& values, const std::vector<int>& of) const override;

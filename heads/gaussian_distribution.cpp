@@ -113,8 +113,8 @@ Draws GaussianDistribution::draws_of(const Tensor& values) const {
   return draws;
 }
 
-Draws GaussianDistribution::mode(int beam_width) const {
-  require_beam_width(beam_width);
+Draws GaussianDistribution::mode(const ModeOptions& options) const {
+  require_mode_options(options);
   return draws_of(mean_.unsqueeze(1));
 }
 

@@ -22,7 +22,7 @@ class GaussianDistribution : public IndependentDistribution {
   GaussianDistribution(const at::Tensor& mean, const at::Tensor& deviation,
                        std::shared_ptr<const BoxCodec> codec, const References& references);
 
-  Draws mode(int beam_width) const override;
+  Draws mode(const ModeOptions& options) const override;
   Draws sample(int count, const Streams& streams, double temperature) const override;
   at::Tensor mean() const override;
   at::Tensor log_density(const at::Tensor& boxes) const override;

@@ -162,7 +162,7 @@ class Check {
     const Objects objects = make_objects(context_, count);
     const auto distribution = head_->forward(objects.input);
     expect(distribution->size() == count, "size() is not the number of objects");
-    const Draws best = distribution->mode(kBeams);
+    const Draws best = distribution->mode({.beam_width = kBeams});
     draws(best, *distribution, kBeams, false, "mode");
     draws(distribution->sample(kDraws, {5, ids(count)}), *distribution, kDraws, true, "sample");
     expect(distribution->mean().sizes() == (std::vector<std::int64_t>{count, kBoxColumns}),
@@ -197,7 +197,8 @@ class Check {
     for (const auto* other : {alone.get(), selected.get()}) {
       expect(share_near(other->sample(kDraws, {5, some}).boxes, expected) > 0.9,
              "an object's draws depend on the batch");
-      expect(share_near(other->mode(1).boxes, all->mode(1).boxes.index_select(0, some)) == 1.0,
+      expect(share_near(other->mode({.beam_width = 1}).boxes,
+                        all->mode({.beam_width = 1}).boxes.index_select(0, some)) == 1.0,
              "an object's mode depends on the batch");
     }
   }
@@ -214,7 +215,7 @@ class Check {
     expect(near(distribution->select(some)->log_density(objects_.boxes.index_select(0, some)),
                 density.index_select(0, some)),
            "an object's density depends on the batch");
-    const Draws best = distribution->mode(1);
+    const Draws best = distribution->mode({.beam_width = 1});
     const Tensor of_box = distribution->log_density(best.boxes.select(1, 0));
     // Free codecs supervise a choice of a box's vectors; only those count.
     expect(!context_.codec->upright() ||
@@ -233,7 +234,7 @@ class Check {
     const Tensor boxes = given->sample(kDraws, {5, ids(kObjects)}).boxes;
     expect(near(boxes.slice(2, 3, 6), sizes.unsqueeze(1).expand({kObjects, kDraws, 3})),
            "given_sizes(): draws have other sizes");
-    draws(given->mode(kBeams), *given, kBeams, false, "mode of known sizes");
+    draws(given->mode({.beam_width = kBeams}), *given, kBeams, false, "mode of known sizes");
     density_of_sizes();
   }
 
@@ -289,8 +290,8 @@ class Check {
     const auto other = make_(context_);
     load_parameters(*other, parameters_of(*head_), "conformance");
     expect(other->forward(objects_.input)
-               ->mode(1)
-               .boxes.equal(head_->forward(objects_.input)->mode(1).boxes),
+               ->mode({.beam_width = 1})
+               .boxes.equal(head_->forward(objects_.input)->mode({.beam_width = 1}).boxes),
            "loaded parameters give other answers");
   }
 
@@ -308,9 +309,10 @@ class Check {
         throws<InvalidArgument>([&] { head_->loss(objects_.input, objects_.boxes.slice(0, 1)); }),
         "another number of targets must throw InvalidArgument");
     const auto distribution = head_->forward(objects_.input);
-    expect(throws<InvalidArgument>([&] { distribution->mode(0); }) && throws<InvalidArgument>([&] {
-             distribution->sample(0, {5, ids(kObjects)});
-           }) &&
+    expect(throws<InvalidArgument>([&] { distribution->mode({.beam_width = 0}); }) &&
+               throws<InvalidArgument>([&] {
+                 distribution->sample(0, {5, ids(kObjects)});
+               }) &&
                throws<InvalidArgument>([&] {
                  distribution->sample(1, {5, ids(1)});
                }),

@@ -32,8 +32,8 @@ Draws PointDistribution::repeated(std::int64_t count) const {
   return draws;
 }
 
-Draws PointDistribution::mode(int beam_width) const {
-  require_beam_width(beam_width);
+Draws PointDistribution::mode(const ModeOptions& options) const {
+  require_mode_options(options);
   return repeated(1);
 }
 

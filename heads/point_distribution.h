@@ -20,7 +20,7 @@ class PointDistribution : public BoxDistribution {
 
   std::int64_t size() const override { return boxes_.size(0); }
   Measure measure() const override { return Measure::kNone; }
-  Draws mode(int beam_width) const override;
+  Draws mode(const ModeOptions& options) const override;
   Draws sample(int count, const Streams& streams, double temperature) const override;
   at::Tensor mean() const override { return boxes_; }
   at::Tensor log_density(const at::Tensor& boxes) const override;

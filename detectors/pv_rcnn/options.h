@@ -124,6 +124,9 @@ struct PostOptions {
   /// that of the `pointwise` branch.
   std::string box = "mode";
   int beam_width = 16;
+  /// Bins: what the mode is searched in is smoothed with a kernel of this standard deviation
+  /// (heads::ModeOptions). 0: the most likely bins.
+  double mode_smoothing = 0;
   double quantile = 0.2;
   /// What DetectionRequest::known_sizes are compared by: `joint`, how likely the size is and the
   /// box of it, or `given_size`, the box alone (ConditioningOptions::score).
@@ -167,6 +170,12 @@ struct PostOptions {
         {.help = "The box of a detection", .choices = {"mode", "mean", "quantile", "pointwise"}});
     visitor.field("beam_width", &Self::beam_width,
                   {.help = "Beams of the search for the mode", .low = 1, .high = 4096});
+    visitor.field("mode_smoothing", &Self::mode_smoothing,
+                  {.help = "Standard deviation of the kernel that densities are smoothed with "
+                           "before the search for the mode",
+                   .unit = "bins",
+                   .low = 0,
+                   .high = 1000});
     visitor.field("quantile", &Self::quantile,
                   {.help = "q of the box where box is quantile", .low = 0.001, .high = 0.999});
     visitor.field(

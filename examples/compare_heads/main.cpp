@@ -133,7 +133,7 @@ void train(arbox::heads::BoxHead& head, const Cars& cars, int steps) {
 void judge(arbox::heads::BoxHead& head, const Cars& cars) {
   const auto belief = head.forward(input_of(cars));
   const auto count = static_cast<std::int64_t>(cars.truth.size());
-  const at::Tensor best = belief->mode(16).boxes.select(1, 0);
+  const at::Tensor best = belief->mode({.beam_width = 16}).boxes.select(1, 0);
   const double iou =
       arbox::geometry::overlap_pairs(arbox::heads::to_boxes(best), cars.truth).mean();
   const auto drawn =
@@ -156,7 +156,7 @@ void judge(arbox::heads::BoxHead& head, const Cars& cars) {
 void tell(arbox::heads::BoxHead& head, const Cars& cars) {
   const auto belief = head.forward(input_of(cars));
   const auto count = static_cast<std::int64_t>(cars.regions.size());
-  const auto best = arbox::heads::to_boxes(belief->mode(16).boxes.select(1, 0));
+  const auto best = arbox::heads::to_boxes(belief->mode({.beam_width = 16}).boxes.select(1, 0));
   const auto drawn = arbox::heads::distribution_boxes(*belief, {1, at::arange(count)}, {});
   for (std::size_t i = 0; i < best.size(); ++i) {
     std::cout << "  car at " << best[i].center.x() << ' ' << best[i].center.y() << ": length "

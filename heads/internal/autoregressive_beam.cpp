@@ -2,9 +2,11 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 
 #include "arbox/base/parallel.h"
 #include "arbox/heads/internal/autoregressive_search.h"
+#include "arbox/heads/internal/row_smoother.h"
 #include "arbox/heads/internal/softmax_row.h"
 
 namespace arbox::heads::internal {
@@ -33,7 +35,8 @@ struct Beams {
   std::vector<std::int32_t> first;  // by object, one more at the end
 };
 
-/// Logits of every live beam, and the logarithm of the sum of their exponentials.
+/// Logits of every live beam, and the logarithm of the sum of their exponentials; where they were
+/// smoothed, log probabilities and 0.
 struct BeamLogits {
   AlignedFloats values;
   std::vector<float> normalizers;
@@ -43,18 +46,26 @@ struct BeamLogits {
 };
 
 BeamLogits evaluate(ConditionalNetwork& conditionals, const PackedComponent& component,
-                    std::int32_t index, const Beams& beams) {
+                    std::int32_t index, const Beams& beams, double smoothing) {
   BeamLogits logits;
   logits.columns = component.columns();
   logits.values.resize(beams.objects.size() * logits.columns);
   logits.normalizers.resize(beams.objects.size());
   conditionals.evaluate(index, {beams.objects, beams.values}, [&](const LogitBlock& block) {
     SoftmaxRow softmax;
+    RowSmoother smoother(smoothing);
     std::copy_n(block.values, block.count * block.columns,
                 logits.values.begin() + block.first * block.columns);
     for (std::int64_t r = 0; r < block.count; ++r) {
       softmax.set(block.row(r), block.columns, 1.0);
-      logits.normalizers[block.first + r] = softmax.log_normalizer();
+      float& normalizer = logits.normalizers[block.first + r];
+      normalizer = softmax.log_normalizer();
+      if (smoothing == 0.0 || !softmax.valid()) continue;
+      const std::span<float> row(logits.values.data() + (block.first + r) * block.columns,
+                                 component.bins);
+      for (float& one : row) one -= normalizer;
+      smoother.smooth(row, component.circular);
+      normalizer = 0.0f;
     }
   });
   return logits;
@@ -144,9 +155,10 @@ void write(const Beams& beams, std::int64_t first_object, Vectors& result) {
 
 }  // namespace
 
-Vectors beam_search(const PackedNetwork& network, const FeatureRows& features, std::int32_t width,
-                    const KnownPrefix& known, const SearchOptions& options) {
-  const std::int32_t size = network.size();
+Vectors beam_search(const PackedNetwork& network, const FeatureRows& features,
+                    const BeamOptions& beam, const KnownPrefix& known,
+                    const SearchOptions& options) {
+  const std::int32_t size = network.size(), width = beam.width;
   const std::int64_t rows = features.objects * width;
   Vectors result{.objects = features.objects,
                  .count = width,
@@ -159,7 +171,7 @@ Vectors beam_search(const PackedNetwork& network, const FeatureRows& features, s
     conditionals.set_features(chunk);
     Beams beams = start(chunk.objects, known.of_objects(first, chunk.objects));
     for (std::int32_t i = known.count; i < size; ++i) {
-      const BeamLogits logits = evaluate(conditionals, network[i], i, beams);
+      const BeamLogits logits = evaluate(conditionals, network[i], i, beams, beam.smoothing);
       std::vector<std::vector<Candidate>> kept(chunk.objects);
       parallel_for(chunk.objects, 1, options.threads, [&](std::int64_t begin, std::int64_t end) {
         for (std::int64_t object = begin; object < end; ++object) {

@@ -41,10 +41,17 @@ Vectors sample(const PackedNetwork& network, const FeatureRows& features,
                std::span<const std::int64_t> ids, std::uint64_t seed, std::int32_t count,
                double temperature, const KnownPrefix& known, const SearchOptions& options);
 
+struct BeamOptions {
+  std::int32_t width = 1;
+  /// ModeOptions::smoothing.
+  double smoothing = 0.0;
+};
+
 /// Beam search from one live beam: the `width` best vectors (fewer if there are fewer), best first;
 /// missing ones have log probability -infinity. Ties go to the earlier beam, then the lower bin.
-Vectors beam_search(const PackedNetwork& network, const FeatureRows& features, std::int32_t width,
-                    const KnownPrefix& known, const SearchOptions& options);
+Vectors beam_search(const PackedNetwork& network, const FeatureRows& features,
+                    const BeamOptions& beam, const KnownPrefix& known,
+                    const SearchOptions& options);
 
 /// The components [first, last).
 struct ComponentRange {

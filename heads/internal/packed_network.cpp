@@ -64,6 +64,7 @@ PackedComponent pack(const ComponentWeights& weights, std::int32_t feature_width
   packed.bins = weights.bins();
   packed.low = weights.low;
   packed.step = weights.step;
+  packed.circular = weights.circular;
   const LayerWeights& first = weights.layers.front();
   packed.features = pack(first, feature_width, weights.layers.size() == 1);
   const std::int32_t values = first.in - feature_width;

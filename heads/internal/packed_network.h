@@ -20,6 +20,7 @@ struct LayerWeights {
 struct ComponentWeights {
   std::vector<LayerWeights> layers;
   double low = 0.0, step = 1.0;
+  bool circular = false;
 
   std::int32_t bins() const { return layers.back().out; }
 };
@@ -38,6 +39,7 @@ struct PackedComponent {
   std::vector<PackedLayer> rest;
   std::int32_t bins = 0;
   double low = 0.0, step = 1.0;
+  bool circular = false;
 
   float value(std::int32_t bin) const { return static_cast<float>(low + step * bin); }
   std::int32_t columns() const { return rest.empty() ? features.columns : rest.back().columns; }

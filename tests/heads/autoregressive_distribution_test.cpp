@@ -71,7 +71,7 @@ HeadInput plain_input(std::int64_t count, std::uint64_t seed = 3) {
 TEST(AutoregressiveDistribution, AllBeamsTogetherHaveMassOneAndMergedEndsNone) {
   const HeadContext context = scaled(4, true);
   const auto distribution = opinionated(context)->forward(plain_input(2));
-  const Draws mode = distribution->mode(1 << 20);
+  const Draws mode = distribution->mode({.beam_width = 1 << 20});
   ASSERT_EQ(mode.boxes.size(1), 4096 * 3);  // the yaw has 3 bins of 4
   double cell = 1.0;
   for (const Component& component : context.codec->components()) cell *= component.step();
@@ -86,7 +86,7 @@ TEST(AutoregressiveDistribution, AllBeamsTogetherHaveMassOneAndMergedEndsNone) {
 
 TEST(AutoregressiveDistribution, SizeAndRestMakeTheJointDensity) {
   const auto distribution = opinionated(scaled(3, false))->forward(plain_input(1));
-  const Draws all = distribution->mode(729);
+  const Draws all = distribution->mode({.beam_width = 729});
   for (std::int64_t k = 0; k < 729; k += 31) {
     const Tensor box = all.boxes.select(1, k);
     const Tensor sizes = box.slice(1, 3, 6);
@@ -102,7 +102,7 @@ TEST(AutoregressiveDistribution, SizeAndRestMakeTheJointDensity) {
 TEST(AutoregressiveDistribution, EntropyAndMeanAreThoseOfTheEnumeratedVectors) {
   const HeadContext context = scaled(3, false);
   const auto distribution = opinionated(context)->forward(plain_input(2));
-  const Draws all = distribution->mode(729);
+  const Draws all = distribution->mode({.beam_width = 729});
   double cell = 1.0;
   for (const Component& component : context.codec->components()) cell *= component.step();
   const Tensor mass = all.log_density.to(at::kDouble).exp() * cell;
@@ -128,7 +128,7 @@ double best_by_enumeration(const BoxDistribution& distribution, std::array<doubl
   do {
     const Tensor sizes = at::tensor({extents[0], extents[1], extents[2]}, at::kDouble).view({1, 3});
     const double of_size = std::exp(distribution.log_size_density(sizes).item<double>());
-    const Draws all = distribution.given_sizes(sizes)->mode(1 << 20);
+    const Draws all = distribution.given_sizes(sizes)->mode({.beam_width = 1 << 20});
     const auto boxes = to_boxes(all.boxes[0]);
     for (std::size_t k = 0; k < boxes.size(); ++k) {
       const geometry::Box& box = boxes[k];
@@ -181,7 +181,7 @@ TEST(AutoregressiveDistribution, ExtentsInTheirOrderKeepIt) {
   const auto any = given_known_sizes(*distribution, known, {.beam_width = 500, .score = "joint"});
   const Tensor sizes = at::tensor({0.5, 2.0, 1.0}, at::kDouble).expand({2, 3});
   const Tensor of_size = distribution->log_size_density(sizes);
-  const Draws mode = distribution->given_sizes(sizes)->mode(500);
+  const Draws mode = distribution->given_sizes(sizes)->mode({.beam_width = 500});
   for (std::int64_t i = 0; i < 2; ++i) {
     EXPECT_LT((given[i].box.size - known[0].size).norm(), 1e-5);
     // At least its best beam, and more if others are the same solid.
@@ -210,13 +210,13 @@ TEST(AutoregressiveDistribution, OrdersWithoutTheSizeFirstAreNotConditioned) {
 TEST(AutoregressiveDistribution, FollowsItsParameters) {
   const auto head = opinionated(scaled(4, false));
   const HeadInput input = plain_input(1);
-  const auto before = head->forward(input)->mode(1).log_density.item<double>();
-  EXPECT_EQ(head->forward(input)->mode(1).log_density.item<double>(), before);
+  const auto before = head->forward(input)->mode({.beam_width = 1}).log_density.item<double>();
+  EXPECT_EQ(head->forward(input)->mode({.beam_width = 1}).log_density.item<double>(), before);
   {
     at::NoGradGuard guard;
     for (Tensor& parameter : head->parameters()) parameter.mul_(0.5);
   }
-  EXPECT_LT(head->forward(input)->mode(1).log_density.item<double>(), before);
+  EXPECT_LT(head->forward(input)->mode({.beam_width = 1}).log_density.item<double>(), before);
 }
 
 TEST(AutoregressiveDistribution, OutputsThatAreNotFiniteAreDroppedAndCounted) {
@@ -234,7 +234,7 @@ TEST(AutoregressiveDistribution, OutputsThatAreNotFiniteAreDroppedAndCounted) {
 TEST(AutoregressiveDistribution, NoObjectsGiveNoBoxes) {
   const auto distribution = opinionated(scaled(4, true))->forward(plain_input(0));
   const std::vector<KnownSize> known{{"a", {0.5, 1.0, 2.0}}};
-  EXPECT_EQ(distribution->mode(5).boxes.size(0), 0);
+  EXPECT_EQ(distribution->mode({.beam_width = 5}).boxes.size(0), 0);
   EXPECT_TRUE(given_known_sizes(*distribution, known).empty());
   EXPECT_TRUE(distribution_boxes(*distribution, {1, at::arange(0, at::kLong)}).objects.empty());
 }

@@ -75,7 +75,7 @@ TEST(AutoregressiveHead, TeacherForcingAndInferenceGiveTheSameProbabilities) {
       log_cell += std::log(component.step());
     }
     EXPECT_TRUE(at::allclose(draws.log_density + log_cell, inferred, 1e-4, 1e-4));
-    const Draws best = distribution->mode(4);
+    const Draws best = distribution->mode({.beam_width = 4});
     EXPECT_TRUE(at::allclose(head.log_probability(objects.input.joined(), best.components),
                              best.log_density + log_cell, 1e-4, 1e-4));
   }
@@ -162,7 +162,8 @@ TEST(AutoregressiveHead, KnownSizesStayAndTheRestIsConditionedOnThem) {
   const auto objects = arbox::testing::random_objects(context, 6, 4);
   const at::Tensor sizes = objects.boxes.slice(1, 3, 6);
   const auto given = head.forward(objects.input)->given_sizes(sizes);
-  const Draws best = given->mode(3), drawn = given->sample(4, {1, at::arange(6, at::kLong)});
+  const Draws best = given->mode({.beam_width = 3}),
+              drawn = given->sample(4, {1, at::arange(6, at::kLong)});
   EXPECT_TRUE(at::allclose(best.boxes.slice(2, 3, 6), sizes.unsqueeze(1).expand({6, 3, 3})));
   EXPECT_TRUE(at::allclose(drawn.boxes.slice(2, 3, 6), sizes.unsqueeze(1).expand({6, 4, 3})));
   const at::Tensor again = given->log_density(best.boxes.select(1, 0));

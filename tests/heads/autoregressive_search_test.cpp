@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <vector>
 
+#include "arbox/heads/internal/row_smoother.h"
 #include "heads/random_network.h"
 
 namespace arbox::heads::internal {
@@ -53,10 +55,56 @@ void expect_beams(const Vectors& beams, std::int64_t object,
   }
 }
 
+/// The vectors of `all` with the product of the smoothed conditionals in place of the plain one.
+std::vector<EnumeratedVector> smoothed(const std::vector<EnumeratedVector>& all,
+                                       const std::vector<std::int32_t>& bins, double smoothing) {
+  std::vector<EnumeratedVector> result = all;
+  for (EnumeratedVector& one : result) one.log_probability = 0.0;
+  RowSmoother smoother(smoothing);
+  for (std::size_t component = 0; component < bins.size(); ++component) {
+    std::map<std::vector<std::int32_t>, std::vector<double>> marginals;  // by prefix
+    const auto prefix = [&](const EnumeratedVector& vector) {
+      return std::vector(vector.bins.begin(), vector.bins.begin() + component);
+    };
+    for (const EnumeratedVector& vector : all) {
+      auto& marginal = marginals[prefix(vector)];
+      marginal.resize(bins[component]);
+      marginal[vector.bins[component]] += std::exp(vector.log_probability);
+    }
+    std::map<std::vector<std::int32_t>, std::vector<float>> rows;
+    for (const auto& [key, marginal] : marginals) {
+      const double sum = std::accumulate(marginal.begin(), marginal.end(), 0.0);
+      for (const double one : marginal)
+        rows[key].push_back(static_cast<float>(std::log(one / sum)));
+      smoother.smooth(rows[key], component == 2);
+    }
+    for (EnumeratedVector& vector : result) {
+      vector.log_probability += rows[prefix(vector)][vector.bins[component]];
+    }
+  }
+  return result;
+}
+
+TEST(BeamSearch, FindsTheBestOfTheSmoothedConditionals) {
+  const std::vector<std::int32_t> bins = {6, 8, 7};
+  RandomNetwork network = random_network(kFeatures, {9, 20}, bins, 1, 4.0);
+  network.components[2].circular = true;
+  const auto features = normal_floats(3 * kFeatures, 2, 1.0);
+  const PackedNetwork packed = network.packed();
+  const Vectors beams =
+      beam_search(packed, rows_of(features), {.width = 336, .smoothing = 1.2}, {}, {});
+  for (std::int64_t object = 0; object < 3; ++object) {
+    const auto all = enumerate(network, features.data() + object * kFeatures);
+    const auto expected = best_first(smoothed(all, bins, 1.2));
+    expect_beams(beams, object, expected, 40);
+    EXPECT_NE(bins_of(beams, object, 0), bins_of(beams, object, 335));
+  }
+}
+
 TEST(BeamSearch, ReturnsEveryVectorInOrderWhenItIsWideEnough) {
   const RandomNetwork network = random_network(kFeatures, {9, 20}, {4, 5, 3}, 1);
   const auto features = normal_floats(3 * kFeatures, 2, 1.0);
-  const Vectors beams = beam_search(network.packed(), rows_of(features), 70, {}, {});
+  const Vectors beams = beam_search(network.packed(), rows_of(features), {.width = 70}, {}, {});
   ASSERT_EQ(beams.count, 70);
   for (std::int64_t object = 0; object < 3; ++object) {
     expect_beams(beams, object,
@@ -69,7 +117,7 @@ TEST(BeamSearch, EqualsExhaustiveSearchWhenEveryPrefixFits) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     const RandomNetwork network = random_network(kFeatures, {16}, {4, 5, 3}, 10 * seed);
     const auto features = normal_floats(kFeatures, seed, 1.0);
-    expect_beams(beam_search(network.packed(), rows_of(features), 20, {}, {}), 0,
+    expect_beams(beam_search(network.packed(), rows_of(features), {.width = 20}, {}, {}), 0,
                  best_first(enumerate(network, features.data())), 20);
   }
 }
@@ -77,7 +125,7 @@ TEST(BeamSearch, EqualsExhaustiveSearchWhenEveryPrefixFits) {
 TEST(BeamSearch, OfWidthOneIsGreedy) {
   const RandomNetwork network = random_network(kFeatures, {16}, {6, 7, 8, 5}, 3);
   const auto features = normal_floats(4 * kFeatures, 4, 1.0);
-  const Vectors beams = beam_search(network.packed(), rows_of(features), 1, {}, {});
+  const Vectors beams = beam_search(network.packed(), rows_of(features), {.width = 1}, {}, {});
   for (std::int64_t object = 0; object < 4; ++object) {
     std::vector<double> input(features.begin() + object * kFeatures,
                               features.begin() + (object + 1) * kFeatures);
@@ -97,7 +145,8 @@ TEST(BeamSearch, StartsFromOneLiveBeamAfterConditioning) {
   const RandomNetwork network = random_network(kFeatures, {16}, {4, 5, 6, 7}, 5);
   const auto features = normal_floats(2 * kFeatures, 6, 1.0);
   const std::vector<float> known{0.3f, 1.7f, 1.1f, 0.2f};
-  const Vectors beams = beam_search(network.packed(), rows_of(features), 42, {known, 2}, {});
+  const Vectors beams =
+      beam_search(network.packed(), rows_of(features), {.width = 42}, {known, 2}, {});
   for (std::int64_t object = 0; object < 2; ++object) {
     const auto expected = best_first(enumerate(network, features.data() + object * kFeatures,
                                                {known[2 * object], known[2 * object + 1]}));
@@ -111,7 +160,7 @@ TEST(BeamSearch, TiesGoToTheEarlierBeamThenTheLowerBin) {
   RandomNetwork network = random_network(kFeatures, {8}, {4, 4}, 1);
   for (auto& storage : network.storage) std::fill(storage.begin(), storage.end(), 0.0f);
   const Vectors beams =
-      beam_search(network.packed(), rows_of(std::vector<float>(kFeatures)), 6, {}, {});
+      beam_search(network.packed(), rows_of(std::vector<float>(kFeatures)), {.width = 6}, {}, {});
   const std::vector<std::vector<std::int32_t>> expected{{0, 0}, {0, 1}, {0, 2},
                                                         {0, 3}, {1, 0}, {1, 1}};
   for (std::int32_t k = 0; k < 6; ++k) EXPECT_EQ(bins_of(beams, 0, k), expected[k]);
@@ -193,7 +242,7 @@ TEST(Sampling, LowTemperatureIsGreedy) {
   const RandomNetwork network = random_network(kFeatures, {16}, {50, 60}, 9);
   const auto features = normal_floats(kFeatures, 8, 1.0);
   const Vectors draws = sample(network.packed(), rows_of(features), ids_of(1), 1, 5, 1e-40, {}, {});
-  const Vectors greedy = beam_search(network.packed(), rows_of(features), 1, {}, {});
+  const Vectors greedy = beam_search(network.packed(), rows_of(features), {.width = 1}, {}, {});
   for (std::int32_t k = 0; k < 5; ++k) EXPECT_EQ(bins_of(draws, 0, k), bins_of(greedy, 0, 0));
 }
 
@@ -225,7 +274,7 @@ TEST(Sampling, BytesDoNotDependOnThreadsOrChunks) {
     return sample(packed, rows_of(features), ids, 5, 10, 1.0, {}, options);
   };
   const auto search = [&](const SearchOptions& options) {
-    return beam_search(packed, rows_of(features), 10, {}, options);
+    return beam_search(packed, rows_of(features), {.width = 10}, {}, options);
   };
   const Vectors draws = run({.threads = 1}), beams = search({.threads = 1});
   for (const SearchOptions& options :
@@ -271,11 +320,11 @@ TEST(Sampling, KnownComponentsStay) {
 TEST(Search, NetworksWithoutHiddenLayersAndEmptyBatchesAreFine) {
   const RandomNetwork network = random_network(kFeatures, {}, {3, 4}, 9);
   const auto features = normal_floats(kFeatures, 8, 1.0);
-  expect_beams(beam_search(network.packed(), rows_of(features), 12, {}, {}), 0,
+  expect_beams(beam_search(network.packed(), rows_of(features), {.width = 12}, {}, {}), 0,
                best_first(enumerate(network, features.data())), 12);
   const FeatureRows nothing{nullptr, 0, kFeatures};
   EXPECT_TRUE(sample(network.packed(), nothing, {}, 1, 5, 1.0, {}, {}).values.empty());
-  EXPECT_TRUE(beam_search(network.packed(), nothing, 5, {}, {}).values.empty());
+  EXPECT_TRUE(beam_search(network.packed(), nothing, {.width = 5}, {}, {}).values.empty());
   EXPECT_TRUE(log_probability(network.packed(), nothing, {}, 5, {0, 2}, {}).empty());
   EXPECT_TRUE(
       sample(network.packed(), rows_of(features), ids_of(1), 1, 0, 1.0, {}, {}).values.empty());
@@ -286,7 +335,7 @@ TEST(Search, OutputsThatAreNotFiniteGiveNaN) {
   std::fill(network.storage.front().begin(), network.storage.front().end(), std::nanf(""));
   const auto features = normal_floats(kFeatures, 8, 1.0);
   const Vectors draws = sample(network.packed(), rows_of(features), ids_of(1), 1, 3, 1.0, {}, {});
-  const Vectors beams = beam_search(network.packed(), rows_of(features), 3, {}, {});
+  const Vectors beams = beam_search(network.packed(), rows_of(features), {.width = 3}, {}, {});
   for (std::int32_t k = 0; k < 3; ++k) {
     EXPECT_TRUE(std::isnan(draws.values[2 * k]));
     EXPECT_TRUE(std::isnan(draws.log_probability[k]));

@@ -50,7 +50,7 @@ DiscreteDistribution toy_discrete(std::int64_t count) {
 
 TEST(DiscreteDistribution, ModeEqualsExhaustiveSearch) {
   const DiscreteDistribution distribution = toy_discrete(2);
-  const Draws best = distribution.mode(20);
+  const Draws best = distribution.mode({.beam_width = 20});
   const auto a = random_log_probability(2, examples::kLengths, 1);
   const auto b = random_log_probability(2, examples::kPositions, 2);
   const auto c = random_log_probability(2, examples::kHeadings, 3);
@@ -61,6 +61,25 @@ TEST(DiscreteDistribution, ModeEqualsExhaustiveSearch) {
   EXPECT_TRUE(at::allclose(best.log_density, std::get<0>(all.topk(20, 1)) - log_cell, 1e-5, 1e-5));
   EXPECT_TRUE(at::allclose(distribution.log_density(best.boxes.select(1, 7)),
                            best.log_density.select(1, 7), 1e-5, 1e-5));
+}
+
+TEST(DiscreteDistribution, SmoothedModeIsWhereMostProbabilityLies) {
+  at::Tensor lengths = at::full({1, examples::kLengths}, 1e-6);
+  lengths[0][0] = 0.2;  // the highest bin stands alone
+  for (int bin = 4; bin < 9; ++bin) lengths[0][bin] = 0.16;
+  const DiscreteDistribution distribution(
+      {lengths.log(), random_log_probability(1, examples::kPositions, 2),
+       random_log_probability(1, examples::kHeadings, 3)},
+      CircularEnds::kMerged, std::make_shared<examples::ToyCodec>(), toy_input(1).references);
+  const auto length_bin = [&](double smoothing) {
+    const Draws best = distribution.mode({.beam_width = 8, .smoothing = smoothing});
+    return quantize(best.components, toy_codec().components())[0][0][0].item<std::int64_t>();
+  };
+  EXPECT_EQ(length_bin(0.0), 0);
+  EXPECT_EQ(length_bin(1.5), 6);
+  for (const double bad : {-1.0, 1001.0, std::nan("")}) {
+    EXPECT_THROW(distribution.mode({.smoothing = bad}), InvalidArgument) << bad;
+  }
 }
 
 TEST(DiscreteDistribution, DrawsHaveTheProbabilitiesAndTheMean) {
@@ -134,12 +153,14 @@ TEST(GaussianDistribution, KnownSizesAreKeptAndDoNotCount) {
   const GaussianDistribution distribution(mean, deviation, context.codec, objects.input.references);
   const at::Tensor sizes = objects.boxes.slice(1, 3, 6);
   const auto given = distribution.given_sizes(sizes);
-  const Draws best = given->mode(4);
+  const Draws best = given->mode({.beam_width = 4});
   EXPECT_TRUE(at::allclose(best.boxes.select(1, 0).slice(1, 3, 6), sizes));
   const double peak = -4 * std::log(0.1 * std::sqrt(2 * std::numbers::pi));
   EXPECT_NEAR(best.log_density[0][0].item<double>(), peak, 1e-3);
-  EXPECT_TRUE(
-      given->log_density(distribution.mode(1).boxes.select(1, 0)).isinf().all().item<bool>());
+  EXPECT_TRUE(given->log_density(distribution.mode({.beam_width = 1}).boxes.select(1, 0))
+                  .isinf()
+                  .all()
+                  .item<bool>());
 }
 
 TEST(GaussianDistribution, DensityOfSizesIsThatOfTheirComponents) {
@@ -275,7 +296,7 @@ TEST(Heads, AHugeBatchAndNoObjectsAreOrdinary) {
   GaussianHead head(options, context);
   for (const std::int64_t count : {std::int64_t{0}, std::int64_t{50000}}) {
     const auto objects = arbox::testing::random_objects(context, count, 2);
-    EXPECT_EQ(head.forward(objects.input)->mode(1).boxes.size(0), count);
+    EXPECT_EQ(head.forward(objects.input)->mode({.beam_width = 1}).boxes.size(0), count);
     EXPECT_EQ(head.loss(objects.input, objects.boxes).per_object.size(0), count);
   }
 }

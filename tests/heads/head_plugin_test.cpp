@@ -80,7 +80,7 @@ TEST(HeadRegistry, AHeadIsANameInAConfiguration) {
     const auto head = make_head(config, 6, 0, registry);
     const HeadContext context = {.features = 6, .condition = 0, .codec = make_codec(config.codec)};
     const auto objects = arbox::testing::random_objects(context, 3, 1);
-    EXPECT_EQ(head->forward(objects.input)->mode(1).boxes.size(0), 3) << yaml;
+    EXPECT_EQ(head->forward(objects.input)->mode({.beam_width = 1}).boxes.size(0), 3) << yaml;
   }
   EXPECT_THROW(make_head("gausian", {}, {}, registry), InvalidArgument);
   const HeadContext context = {.features = 6, .condition = 0, .codec = make_codec({})};
@@ -138,8 +138,8 @@ TEST(Parameters, GoThroughAFileAndBack) {
   load_parameters(*second, read, file.string());
   const auto objects = arbox::testing::random_objects(context, 5, 1);
   EXPECT_TRUE(first->forward(objects.input)
-                  ->mode(3)
-                  .boxes.equal(second->forward(objects.input)->mode(3).boxes));
+                  ->mode({.beam_width = 3})
+                  .boxes.equal(second->forward(objects.input)->mode({.beam_width = 3}).boxes));
 }
 
 TEST(Parameters, WhatDoesNotFitIsListedAndNothingIsLoaded) {

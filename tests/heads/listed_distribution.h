@@ -32,14 +32,14 @@ class ListedDistribution : public heads::BoxDistribution {
   std::int64_t size() const override { return std::ssize(objects_); }
   heads::Measure measure() const override { return measure_; }
 
-  heads::Draws mode(int beam_width) const override {
+  heads::Draws mode(const heads::ModeOptions& options) const override {
     auto lists = objects_;
     for (auto& list : lists) {
       std::stable_sort(list.begin(), list.end(), [](const ListedBox& a, const ListedBox& b) {
         return a.probability > b.probability;
       });
     }
-    return rows(beam_width, [&](std::int64_t object, std::int64_t k) {
+    return rows(options.beam_width, [&](std::int64_t object, std::int64_t k) {
       return k < std::ssize(lists[object]) ? &lists[object][k] : nullptr;
     });
   }
@@ -55,7 +55,7 @@ class ListedDistribution : public heads::BoxDistribution {
     });
   }
 
-  at::Tensor mean() const override { return mode(1).boxes.select(1, 0); }
+  at::Tensor mean() const override { return mode({.beam_width = 1}).boxes.select(1, 0); }
   at::Tensor log_density(const at::Tensor&) const override {
     throw NotAvailable("ListedDistribution has no density of other boxes");
   }

@@ -55,7 +55,9 @@ HeadAnswer boxes_of(const heads::BoxDistribution& distribution, const heads::Str
   } else if (options.box == "quantile") {
     answer.boxes = quantile_rows(answer.summary, pointwise);
   } else {
-    answer.boxes = from_box_rows(distribution.mode(options.beam_width).boxes.select(1, 0));
+    answer.boxes = from_box_rows(
+        distribution.mode({.beam_width = options.beam_width, .smoothing = options.mode_smoothing})
+            .boxes.select(1, 0));
   }
   return answer;
 }
@@ -65,9 +67,12 @@ std::vector<const geometry::KnownSize*> chosen_sizes(const heads::BoxDistributio
                                                      const std::vector<geometry::KnownSize>& known,
                                                      const PostOptions& options) {
   std::vector<const geometry::KnownSize*> chosen;
-  for (const heads::ConditionedBox& one : heads::given_known_sizes(
-           distribution, known,
-           {.beam_width = options.beam_width, .score = options.known_sizes, .orders = "given"})) {
+  for (const heads::ConditionedBox& one :
+       heads::given_known_sizes(distribution, known,
+                                {.beam_width = options.beam_width,
+                                .smoothing = options.mode_smoothing,
+                                .score = options.known_sizes,
+                                .orders = "given"})) {
     chosen.push_back(std::isfinite(one.log_density) ? &known[one.known_size] : nullptr);
   }
   return chosen;

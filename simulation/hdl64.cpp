@@ -116,6 +116,22 @@ constexpr Hidden kHidden[] = {
     {63, 342.0, 360.0},
 };
 
+/// Edges of the roof and its load: in all scans at the same places, as dark as can be.
+struct Own {
+  int ring;
+  double begin_deg, end_deg, chance, range, spread;
+};
+
+constexpr Own kOwn[] = {
+    {58, 128.3, 129.8, .13, 1.90, .034}, {58, 235.5, 236.0, .26, 1.88, .029},
+    {60, 128.8, 129.2, .33, 1.54, .013}, {61, 126.2, 127.0, .55, 1.50, .036},
+    {61, 234.0, 234.8, .42, 1.51, .034}, {61, 287.4, 288.0, .09, 1.71, .015},
+    {62, 128.0, 129.9, .97, 1.69, .094}, {62, 132.0, 133.9, .25, 1.59, .089},
+    {62, 228.6, 229.0, .14, 1.51, .025}, {62, 232.2, 232.8, .28, 1.59, .074},
+    {62, 235.4, 236.9, 1.0, 1.65, .120}, {62, 326.4, 326.7, .12, 1.94, .056},
+    {63, 324.2, 326.0, .23, 1.92, .039},
+};
+
 }  // namespace
 
 LidarModel hdl64() {
@@ -128,11 +144,19 @@ LidarModel hdl64() {
                            .azimuth_offset = row.azimuth_offset_deg * degree,
                            .range_bias = row.range_bias,
                            .gain = row.gain,
-                           .hidden = {}});
+                           .hidden = {},
+                           .own = {}});
   }
   for (const Hidden& hidden : kHidden) {
     model.beams[hidden.ring].hidden.emplace_back(hidden.begin_deg * degree,
                                                  hidden.end_deg * degree);
+  }
+  for (const Own& own : kOwn) {
+    model.beams[own.ring].own.push_back({.begin = own.begin_deg * degree,
+                                         .end = own.end_deg * degree,
+                                         .chance = own.chance,
+                                         .range = own.range,
+                                         .spread = own.spread});
   }
   return model;
 }

@@ -6,6 +6,13 @@
 
 namespace arbox::simulation {
 
+/// Azimuths, radians in [0, 2 pi), at which a part of the own vehicle returns a pulse.
+struct OwnReturn {
+  double begin = 0.0, end = 0.0;
+  double chance = 1.0;               ///< Of a pulse to come back from there.
+  double range = 1.5, spread = 0.0;  ///< Mean and standard deviation, metres.
+};
+
 /// One laser of a spinning scanner. With elevation v, offsets V, h and c, a return at distance d
 /// and encoder angle e lies at
 ///
@@ -20,6 +27,8 @@ struct LidarBeam {
   double gain = 1.0;               ///< Multiplies reported intensities.
   /// Azimuths that the own vehicle hides, radians in [0, 2 pi), (begin, end).
   std::vector<std::pair<double, double>> hidden;
+  /// What the own vehicle returns, with intensity 0; it hides what is behind.
+  std::vector<OwnReturn> own;
 };
 
 /// A spinning multi-beam scanner: geometry, timing, noise and what it reports.

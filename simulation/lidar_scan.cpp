@@ -26,6 +26,7 @@ enum Draw : std::uint32_t {
   kSpuriousLength,
   kIntensityNoise,
   kZero,
+  kOwnVehicle,
   kSurface,  // and one for each further surface
 };
 
@@ -125,7 +126,7 @@ double received(const LidarModel& model, const LidarBeam& beam, const Hit& hit, 
   const double kept = 1.0 / (1.0 + std::pow(model.half_signal / signal, model.signal_sharpness));
   const double slant = (1.0 - cosine) * (1.0 - cosine);
   const double grazing =
-      std::min(0.12, 0.003 / std::max(cosine, 0.02)) + 0.30 * material.gloss * slant * slant;
+      std::min(0.15, 0.0042 / std::max(cosine, 0.02)) + 0.30 * material.gloss * slant * slant;
   if (random.uniform(kSignal) > kept) return -1.0;
   if (random.uniform(kDropout) < model.dropout + model.dropout_growth * range + grazing) {
     return -1.0;
@@ -148,6 +149,42 @@ double measured_range(const LidarModel& model, const LidarBeam& beam, const Hit&
   return rounded(range, model.range_step);
 }
 
+/// Distance at which the own vehicle returns this pulse, or 0.
+double own_range(const LidarModel& model, const LidarBeam& beam, double azimuth,
+                 const RandomStream& random) {
+  for (const OwnReturn& own : beam.own) {
+    if (azimuth < own.begin || azimuth >= own.end) continue;
+    if (random.uniform(kOwnVehicle) >= own.chance) return 0.0;
+    const double range = own.range + own.spread * random.normal(kRangeNoise);
+    return std::max(model.nearest, rounded(range, model.range_step));
+  }
+  return 0.0;
+}
+
+/// What comes back of a pulse, and from where.
+struct Echo {
+  Hit hit;
+  double range = 0.0, intensity = 0.0;
+};
+
+/// False if the scene returns nothing.
+bool echo_of(const RayTracer& tracer, const LidarModel& model, const LidarBeam& beam,
+             const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double time,
+             const RandomStream& random, bool ideal, Echo& echo) {
+  double through = 1.0;
+  if (!follow(tracer, model, origin, direction, time, random, ideal, echo.hit, through)) {
+    return false;
+  }
+  echo.range = echo.hit.distance;
+  echo.intensity = properties(echo.hit.material).reflectivity;
+  if (ideal) return true;
+  const double cosine = std::abs(echo.hit.normal.dot(direction));
+  echo.intensity = received(model, beam, echo.hit, cosine, through, random);
+  if (echo.intensity < 0.0) return false;
+  echo.range = measured_range(model, beam, echo.hit, cosine, echo.intensity, random);
+  return echo.range >= model.nearest && echo.range < model.farthest;
+}
+
 }  // namespace
 
 std::vector<LidarReturn> scan(const Scene& scene, const RayTracer& tracer, const LidarModel& model,
@@ -166,25 +203,19 @@ std::vector<LidarReturn> scan(const Scene& scene, const RayTracer& tracer, const
     for (std::size_t firing = 0; firing < angles.size(); ++firing) {
       if (std::abs(angles[firing]) > model.half_field_of_view) continue;
       const Pulse pulse = pulse_of(beam, angles[firing]);
-      if (hidden(beam, pulse.azimuth)) continue;
       const double part = (std::numbers::pi - angles[firing]) / kTurn;
       const Eigen::Vector3d direction = poses[firing].linear() * pulse.direction;
       const RandomStream random(scene.seed, ring << 16 | firing, kPulse);
-      Hit hit;
-      double through = 1.0;
-      if (!follow(tracer, model, poses[firing] * pulse.origin, direction, part, random,
-                  options.ideal, hit, through)) {
+      Echo echo;
+      echo.hit.material = Material::kMetal;
+      if (!options.ideal) echo.range = own_range(model, beam, pulse.azimuth, random);
+      if (echo.range == 0.0 && (hidden(beam, pulse.azimuth) ||
+                                !echo_of(tracer, model, beam, poses[firing] * pulse.origin,
+                                         direction, part, random, options.ideal, echo))) {
         continue;
       }
-      const double cosine = std::abs(hit.normal.dot(direction));
-      double range = hit.distance, intensity = properties(hit.material).reflectivity;
-      if (!options.ideal) {
-        intensity = received(model, beam, hit, cosine, through, random);
-        if (intensity < 0.0) continue;
-        range = measured_range(model, beam, hit, cosine, intensity, random);
-        if (range < model.nearest || range >= model.farthest) continue;
-      }
-      Eigen::Vector3d point = pulse.origin + range * pulse.direction;
+      Eigen::Vector3d point = pulse.origin + echo.range * pulse.direction;
+      double intensity = echo.intensity;
       if (options.motion_compensated) point = poses[firing] * point;
       if (!options.ideal) {
         for (double& value : point) value = rounded(value, model.coordinate_step);
@@ -199,8 +230,8 @@ std::vector<LidarReturn> scan(const Scene& scene, const RayTracer& tracer, const
                                .ring = static_cast<std::uint16_t>(ring),
                                .firing = static_cast<std::uint16_t>(firing),
                                .time = static_cast<float>(part * model.duration),
-                               .object = hit.object,
-                               .material = hit.material}});
+                               .object = echo.hit.object,
+                               .material = echo.hit.material}});
     }
     std::stable_sort(ring_returns.begin(), ring_returns.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });

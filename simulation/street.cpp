@@ -59,13 +59,13 @@ RoadSide draw_side(const Road& road, double sign, Dice& dice) {
   side.curb = dice.uniform(.04, .12);
   switch (road.district) {
     case District::kInnerCity:
-      side.pavement = dice.uniform(1.8, 4.5);
-      side.setback = dice.chance(.6) ? dice.uniform(.05, .4) : dice.uniform(2, 8);
+      side.pavement = dice.uniform(1.2, 3.0);
+      side.setback = dice.chance(.7) ? dice.uniform(.05, .4) : dice.uniform(1, 6);
       break;
     case District::kResidential:
-      side.pavement = dice.uniform(.9, 2.4);
-      side.verge = dice.chance(.25) ? dice.uniform(.5, 2) : 0.0;
-      side.setback = dice.uniform(1.2, 5.5);
+      side.pavement = dice.uniform(.7, 1.7);
+      side.verge = dice.chance(.2) ? dice.uniform(.5, 2) : 0.0;
+      side.setback = dice.uniform(1.0, 4.5);
       side.bank = dice.normal(.0, .05);
       break;
     case District::kCampus:
@@ -76,8 +76,8 @@ RoadSide draw_side(const Road& road, double sign, Dice& dice) {
     case District::kRoad:
       side.curb = dice.chance(.4) ? side.curb : .01;
       side.pavement = dice.chance(.4) ? dice.uniform(1.2, 2.5) : .4;
-      side.verge = dice.uniform(1, 5);
-      side.setback = dice.uniform(8, 30);
+      side.verge = dice.uniform(.6, 3.5);
+      side.setback = dice.uniform(6, 25);
       side.bank = dice.normal(.02, .12);
       break;
     case District::kHighway:
@@ -92,8 +92,8 @@ RoadSide draw_side(const Road& road, double sign, Dice& dice) {
 }
 
 void draw_crossings(Road& road, double reach, Dice& dice) {
-  const double spacing = road.district == District::kInnerCity     ? 55
-                         : road.district == District::kResidential ? 65
+  const double spacing = road.district == District::kInnerCity     ? 65
+                         : road.district == District::kResidential ? 80
                          : road.district == District::kHighway     ? 400
                                                                    : 130;
   double s = -reach + dice.uniform(0, spacing);

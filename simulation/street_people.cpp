@@ -70,8 +70,8 @@ void add_riders(StreetBuilder& builder, double expected) {
 void add_sitting(StreetBuilder& builder) {
   Dice& dice = builder.dice();
   const Road& road = builder.road();
-  const RoadSide& side = dice.chance(.5) ? road.left : road.right;
-  const double s = dice.normal(8, 12), t = side.sign * (side.property_line() - .4);
+  const RoadSide& side = dice.chance(.58) ? road.left : road.right;
+  const double s = dice.normal(11, 6), t = side.sign * (side.property_line() - .4);
   const int count = 1 + dice.below(6);
   for (int i = 0; i < count; ++i) {
     builder.add_person("Person_sitting",
@@ -91,7 +91,7 @@ void add_people(StreetBuilder& builder, const StreetOptions& options) {
   add_walkers(builder, options.people * usual * std::exp(dice.normal(-.1, 1.15)));
   const double riders = district == District::kHighway ? .03 : open ? 1.1 : .42;
   add_riders(builder, options.people * riders * std::exp(dice.normal(-.2, .7)));
-  if (dice.chance(std::min(1.0, options.people * (open ? .12 : .01)))) add_sitting(builder);
+  if (dice.chance(std::min(1.0, options.people * (open ? .09 : .007)))) add_sitting(builder);
 }
 
 }  // namespace arbox::simulation

@@ -50,22 +50,22 @@ enum class Border { kHedge, kWall, kPickets, kMesh, kBushes, kOpen };
 Border draw_border(District district, Dice& dice) {
   const double draw = dice.uniform(0, 1);
   if (district == District::kInnerCity) {
-    return draw < .25   ? Border::kWall
-           : draw < .55 ? Border::kHedge
-           : draw < .7  ? Border::kBushes
+    return draw < .30   ? Border::kWall
+           : draw < .62 ? Border::kHedge
+           : draw < .78 ? Border::kBushes
                         : Border::kOpen;
   }
   if (district == District::kResidential) {
-    return draw < .36   ? Border::kHedge
-           : draw < .50 ? Border::kWall
-           : draw < .64 ? Border::kPickets
-           : draw < .71 ? Border::kMesh
-           : draw < .86 ? Border::kBushes
+    return draw < .40   ? Border::kHedge
+           : draw < .56 ? Border::kWall
+           : draw < .66 ? Border::kPickets
+           : draw < .72 ? Border::kMesh
+           : draw < .92 ? Border::kBushes
                         : Border::kOpen;
   }
-  return draw < .18   ? Border::kHedge
-         : draw < .26 ? Border::kMesh
-         : draw < .66 ? Border::kBushes
+  return draw < .22   ? Border::kHedge
+         : draw < .28 ? Border::kMesh
+         : draw < .76 ? Border::kBushes
                       : Border::kOpen;
 }
 
@@ -85,10 +85,10 @@ void add_border_part(StreetBuilder& builder, Border border, const Spot& spot, do
       builder.add_thing(ModelKind::kMeshFence, spot);
       break;
     case Border::kBushes:
-      if (dice.chance(.7)) {
+      if (dice.chance(.85)) {
         builder.add_thing(ModelKind::kBush,
-                          {spot.s, spot.t + dice.normal(0, .5), dice.uniform(0, 6)},
-                          Scale::Constant(dice.uniform(.6, 1.5)));
+                          {spot.s, spot.t + dice.normal(0, .4), dice.uniform(0, 6)},
+                          Scale::Constant(dice.uniform(.8, 1.9)));
       }
       break;
     case Border::kOpen:
@@ -103,12 +103,13 @@ void add_borders(StreetBuilder& builder, const RoadSide& side) {
   double s = -kFar;
   while (s < kFar) {
     const Border border = draw_border(road.district, dice);
-    const double end = s + dice.uniform(7, 22), height = dice.uniform(.75, 1.5);
+    const double end = s + dice.uniform(7, 22);
+    const double height = dice.chance(.35) ? dice.uniform(.75, 1.3) : dice.uniform(1.3, 2.3);
     for (; s < end; s += 2.0) {
       if (road.crossing(s, side.sign > 0, 1.5)) continue;
       add_border_part(builder, border, {s, side.sign * (side.property_line() + .5), 0.0}, height);
     }
-    s += dice.chance(.6) ? dice.uniform(2.5, 4.5) : 0.0;
+    s += dice.chance(.45) ? dice.uniform(2.5, 4.0) : 0.0;
   }
 }
 
@@ -158,7 +159,7 @@ void add_woods(StreetBuilder& builder, const RoadSide& side) {
   const Road& road = builder.road();
   Dice& dice = builder.dice();
   const double chance = dice.uniform(.3, .85);
-  const double line = side.property_line() + dice.uniform(1.5, 8);
+  const double line = side.property_line() + dice.uniform(.8, 5);
   for (double s = -kFar; s < kFar; s += 3.0) {
     if (road.crossing(s, side.sign > 0, 1.0)) continue;
     for (double t = line; t < line + 18; t += 3.5) {
@@ -217,7 +218,7 @@ void add_rails(StreetBuilder& builder, const RoadSide& side) {
 /// What closes the view along the road and behind the gardens: trees and roofs far away.
 void add_horizon(StreetBuilder& builder) {
   Dice& dice = builder.dice();
-  const double density = dice.uniform(.7, 1.0);
+  const double density = dice.uniform(.8, 1.0);
   const auto add = [&](double s, double t) {
     if (!dice.chance(density)) return;
     const Spot spot{s + dice.normal(0, 3), t + dice.normal(0, 3), dice.uniform(0, 6.2)};
@@ -226,8 +227,8 @@ void add_horizon(StreetBuilder& builder) {
                       Scale(1.3 * size, 1.3 * size, size), false, .3);
   };
   for (const double end : {-1.0, 1.0}) {
-    for (double t = -60; t < 60; t += 5.0) add(end * (kFar + 8), t);
-    for (double s = -kFar; s < kFar; s += 6.0) add(s, end * 52.0);
+    for (double t = -60; t < 60; t += 5.0) add(end * (std::abs(t) < 14 ? kFar + 8 : 68), t);
+    for (double s = -kFar; s < kFar; s += 6.0) add(s, end * 46.0);
   }
 }
 

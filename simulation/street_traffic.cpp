@@ -15,8 +15,8 @@ std::string draw_moving(District district, Dice& dice) {
   const double draw = dice.uniform(0, 1);
   if (draw < .85) return "Car";
   if (draw < (large ? .91 : .915)) return "Van";
-  if (draw < (large ? .99 : .96)) return "Truck";
-  return draw < (large ? 1.0 : .975) ? "Misc" : "Car";
+  if (draw < (large ? .97 : .948)) return "Truck";
+  return draw < (large ? .985 : .967) ? "Misc" : "Car";
 }
 
 std::string draw_parked(Dice& dice) {
@@ -55,7 +55,7 @@ void fill_lane(StreetBuilder& builder, double t, bool same, double mean_gap) {
 void fill_lanes(StreetBuilder& builder, double factor) {
   const Road& road = builder.road();
   Dice& dice = builder.dice();
-  double mean_gap = 55.0 * std::exp(dice.normal(0, .9));
+  double mean_gap = 66.0 * std::exp(dice.normal(0, .9));
   if (road.district == District::kHighway) mean_gap *= .65;
   if (road.district == District::kCampus) mean_gap *= 4.0;
   if (dice.chance(.04)) mean_gap = 5.0;

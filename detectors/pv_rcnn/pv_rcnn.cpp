@@ -10,6 +10,7 @@
 #include "arbox/base/error.h"
 #include "arbox/base/names.h"
 #include "arbox/base/parallel.h"
+#include "arbox/detectors/pv_rcnn/box_coding.h"
 #include "arbox/detectors/pv_rcnn/internal/post_processing.h"
 #include "arbox/heads/conditioning.h"
 

@@ -208,7 +208,44 @@ TEST(OtherScanners, ImpossibleOnesAreRefused) {
   EXPECT_THROW(solid_state_lidar(4, -0.1, 0.1, 1.0, 0), InvalidArgument);
 }
 
-TEST(Scan, AnEmptySceneGivesNoReturns) { EXPECT_TRUE(scan_of(Scene{}, hdl64()).empty()); }
+TEST(Scan, AnEmptySceneGivesReturnsOfTheOwnVehicleAlone) {
+  double count = 0.0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const auto returns = scan_of(Scene{.seed = seed}, hdl64());
+    count += static_cast<double>(returns.size()) / 20;
+    for (const LidarReturn& one : returns) {
+      EXPECT_EQ(one.object, -1);
+      EXPECT_EQ(one.intensity, 0.0f);
+      EXPECT_GE(one.ring, 58);
+      const double range = std::hypot(one.x, one.y, one.z);
+      EXPECT_TRUE(range > 1.3 && range < 2.3) << range;
+      EXPECT_LT(one.z, -0.4);
+      EXPECT_GT(std::abs(one.y), 0.8);
+    }
+  }
+  EXPECT_NEAR(count, 34.0, 5.0);  // 34 to 38 in the nine real scans without anything else so near
+}
+
+TEST(Scan, TheOwnVehicleHidesWhatIsBehindItButInIdealScans) {
+  LidarModel model = spinning_lidar(16, -0.2, 0.2, 1800);
+  model.beams[3].own = {{.begin = 2.6, .end = 3.1, .chance = 1.0, .range = 1.6}};
+  for (const bool ideal : {false, true}) {
+    int own = 0, wall = 0;
+    for (const LidarReturn& one : scan_of(walls(0.0), model, {.ideal = ideal})) {
+      const double azimuth = std::atan2(one.y, one.x);
+      if (one.ring != 3 || azimuth < 2.61 || azimuth > 3.09) continue;
+      (std::hypot(one.x, one.y, one.z) < 2.0 ? own : wall)++;
+    }
+    EXPECT_EQ(own > 60, !ideal) << own;
+    EXPECT_EQ(own == 0, ideal) << own;
+    EXPECT_EQ(wall > 60, ideal) << wall;
+    EXPECT_EQ(wall == 0, !ideal) << wall;
+  }
+}
+
+TEST(Scan, OtherScannersHaveNoOwnVehicle) {
+  EXPECT_TRUE(scan_of(Scene{}, spinning_lidar(16, -0.26, 0.26, 1800)).empty());
+}
 
 }  // namespace
 }  // namespace arbox::simulation

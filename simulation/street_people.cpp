@@ -88,10 +88,10 @@ void add_people(StreetBuilder& builder, const StreetOptions& options) {
   const bool open = district == District::kCampus || district == District::kInnerCity;
   const double quiet = district == District::kHighway ? .1 : district == District::kRoad ? .3 : .9;
   const double usual = open ? 3.6 : quiet;
-  add_walkers(builder, options.people * usual * std::exp(dice.normal(-.1, 1.15)));
-  const double riders = district == District::kHighway ? .03 : open ? 1.1 : .42;
+  add_walkers(builder, options.people * usual * std::exp(dice.normal(-.2, 1.15)));
+  const double riders = district == District::kHighway ? .03 : open ? .9 : .34;
   add_riders(builder, options.people * riders * std::exp(dice.normal(-.2, .7)));
-  if (dice.chance(std::min(1.0, options.people * (open ? .09 : .007)))) add_sitting(builder);
+  if (dice.chance(std::min(1.0, options.people * (open ? .045 : .0035)))) add_sitting(builder);
 }
 
 }  // namespace arbox::simulation

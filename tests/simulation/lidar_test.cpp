@@ -211,7 +211,9 @@ TEST(OtherScanners, ImpossibleOnesAreRefused) {
 TEST(Scan, AnEmptySceneGivesReturnsOfTheOwnVehicleAlone) {
   double count = 0.0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    const auto returns = scan_of(Scene{.seed = seed}, hdl64());
+    Scene scene;
+    scene.seed = seed;
+    const auto returns = scan_of(scene, hdl64());
     count += static_cast<double>(returns.size()) / 20;
     for (const LidarReturn& one : returns) {
       EXPECT_EQ(one.object, -1);

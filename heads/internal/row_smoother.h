@@ -11,7 +11,7 @@ namespace arbox::heads::internal {
 class RowSmoother {
  public:
   /// `standard_deviation` in bins, at least 0. That of the filters is as near to it as odd widths
-  /// allow; below 0.4 bins nothing is smoothed.
+  /// allow; below 0.5 bins nothing is smoothed.
   explicit RowSmoother(double standard_deviation);
 
   /// Standard deviation of the filters, bins.

@@ -59,9 +59,11 @@ void add_benchmark(CLI::App& app) {
       ->add_option("--scans", options.scans, "Scans at most, the first of the split (default: all)")
       ->check(CLI::PositiveNumber)
       ->type_name("N");
-  command->add_flag("--all-round", options.all_round,
-                    "Promises and uncertainty on the labels of all directions, "
-                    "ROOT/training/label_360, as 'arbox simulate street' writes them");
+  command->add_flag(
+      "--all-round", options.all_round,
+      "Promises and uncertainty in all directions: also on the objects that the camera "
+      "does not see, of ROOT/training/label_360, as 'arbox simulate street' writes "
+      "them");
   command
       ->add_option("--model", options.model,
                    "A trained detector: a .arbox file, or the name of an installed one")

@@ -131,8 +131,8 @@ void add_calibrate(CLI::App& app) {
                    "and number)")
       ->type_name("TEXT");
   command->add_flag("--all-round", flags->all_round,
-                    "Labels of all directions, ROOT/training/label_360, as 'arbox simulate "
-                    "street' writes them");
+                    "Also the objects that the camera does not see, of ROOT/training/label_360, as "
+                    "'arbox simulate street' writes them");
   command
       ->add_option("--score", flags->request.score,
                    "Objects found with a lower score are left out; detect with the same or a "

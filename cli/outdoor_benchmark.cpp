@@ -4,17 +4,14 @@
 
 #include <algorithm>
 #include <chrono>
-#include <memory>
+#include <span>
 
 #include "arbox/base/parallel.h"
-#include "arbox/cli/command_line.h"
-#include "arbox/cli/detector_flags.h"
+#include "arbox/cli/benchmark_contestants.h"
 #include "arbox/cli/labelled_scans.h"
 #include "arbox/cli/progress.h"
-#include "arbox/cli/torch_module.h"
 #include "arbox/io/kitti.h"
 #include "arbox/io/kitti_dataset.h"
-#include "arbox/io/model_search.h"
 
 namespace arbox::cli {
 namespace {
@@ -22,13 +19,6 @@ namespace {
 using evaluation::KittiFrame;
 using evaluation::UncertaintyScan;
 using geometry::Detection;
-
-/// A detector of one head and one box, and what it is asked for.
-struct Contestant {
-  std::string name, box;
-  std::unique_ptr<detectors::Detector> detector;
-  detectors::DetectionRequest request;
-};
 
 /// The frames of one row as they are filled.
 struct RowFrames {
@@ -41,78 +31,6 @@ struct FoundScans {
   std::vector<UncertaintyScan> scans;
 };
 
-std::string quantile_name(double q) { return "q " + std::to_string(q).substr(0, 4); }
-
-detectors::DetectionRequest plain_request(const OutdoorBenchmarkOptions& options) {
-  return {.score = options.score, .uncertainty = false};
-}
-
-Contestant model_contestant(const OutdoorBenchmarkOptions& options, const std::string& name,
-                            const std::string& head, const std::string& box,
-                            const detectors::DetectionRequest& request) {
-  DetectorFlags flags;
-  flags.model = options.model;
-  flags.head = head;
-  flags.mode = box;
-  return {.name = name, .box = box, .detector = make_detector(flags), .request = request};
-}
-
-Contestant quantile_contestant(const OutdoorBenchmarkOptions& options, const std::string& head,
-                               double q) {
-  DetectorFlags flags;
-  flags.model = options.model;
-  flags.head = head;
-  flags.mode = "quantile";
-  flags.overrides = {"post.quantile=" + std::to_string(q)};
-  return {.name = head,
-          .box = quantile_name(q),
-          .detector = make_detector(flags),
-          .request = plain_request(options)};
-}
-
-Contestant cluster_fit_contestant(const detectors::DetectionRequest& request) {
-  DetectorFlags flags;
-  flags.detector = "cluster_fit";
-  return {
-      .name = "cluster_fit", .box = "box", .detector = make_detector(flags), .request = request};
-}
-
-std::vector<std::string> heads_of(const OutdoorBenchmarkOptions& options) {
-  if (options.model.empty()) return {};
-  if (!options.heads.empty()) return options.heads;
-  return torch_module().model_heads(io::find_model(options.model).string());
-}
-
-/// The pointwise branch; heads with their own box and their mean; the classical baseline. Quantile
-/// boxes come with the heads' own, `alone` from detectors that are asked for nothing else.
-std::vector<Contestant> contestants(const OutdoorBenchmarkOptions& options, bool alone) {
-  const detectors::DetectionRequest plain = plain_request(options);
-  detectors::DetectionRequest sampled = plain;
-  if (!alone) {
-    sampled.quantiles = options.quantiles;
-    sampled.samples = sampled.uncertainty = true;
-  }
-  std::vector<Contestant> result;
-  const auto heads = heads_of(options);
-  if (!heads.empty()) {
-    result.push_back(model_contestant(options, "pointwise", heads[0], "pointwise", plain));
-  }
-  for (const std::string& head : heads) {
-    if (head == "pointwise") continue;
-    detectors::DetectionRequest request = sampled;
-    if (!alone && head == heads[0]) request.confidences = options.confidences;
-    result.push_back(model_contestant(options, head, head, "beam", request));
-    result.push_back(model_contestant(options, head, head, "mean", plain));
-    if (!alone) continue;
-    for (const double q : options.quantiles) {
-      result.push_back(quantile_contestant(options, head, q));
-    }
-  }
-  if (options.cluster_fit) result.push_back(cluster_fit_contestant(sampled));
-  if (result.empty()) throw UsageError("benchmark: expected a model or cluster_fit, got neither");
-  return result;
-}
-
 /// What quantile boxes promise.
 std::vector<double> promised(const std::vector<double>& quantiles) {
   std::vector<double> ps;
@@ -120,14 +38,50 @@ std::vector<double> promised(const std::vector<double>& quantiles) {
   return ps;
 }
 
-/// Detections with a quantile box in the place of each one's own.
-std::vector<Detection> with_quantile_box(std::vector<Detection> detections, double q) {
-  for (Detection& detection : detections) {
-    for (const auto& box : detection.quantile_boxes) {
-      if (box.q == q) detection.box = box.box;
+/// The labels that average precision and recall are told of. Boxes that the camera does not show
+/// may still reach into its view: what finds them is neither right nor wrong there.
+std::vector<io::KittiObject> with_ignored(std::vector<io::KittiObject> labels,
+                                          std::vector<io::KittiObject> unseen) {
+  for (io::KittiObject& label : unseen) {
+    label.truncation = 1.0;
+    label.occlusion = 3;
+    labels.push_back(std::move(label));
+  }
+  return labels;
+}
+
+std::vector<io::KittiObject> result_lines(std::span<const Detection> detections,
+                                          const io::KittiFrame& frame) {
+  return io::to_kitti_results(detections, frame.calibration,
+                              frame.image_size.value_or(io::kUsualImageSize));
+}
+
+/// `line` with place, sizes and rotation of `box`.
+io::KittiObject in_space(io::KittiObject line, const io::KittiObject& box) {
+  line.height = box.height;
+  line.width = box.width;
+  line.length = box.length;
+  line.x = box.x;
+  line.y = box.y;
+  line.z = box.z;
+  line.rotation_y = box.rotation_y;
+  return line;
+}
+
+/// Quantile boxes in space with the 2-D boxes of the detections' own: the protocol leaves out what
+/// is small in the image, and no object shall enter or leave with q.
+std::vector<io::KittiObject> quantile_lines(const std::vector<Detection>& detections, double q,
+                                            const io::KittiFrame& frame) {
+  std::vector<io::KittiObject> lines;
+  for (const Detection& detection : detections) {
+    for (io::KittiObject& line : result_lines({&detection, 1}, frame)) {
+      for (const auto& box : detection.quantile_boxes) {
+        if (box.q == q) line = in_space(line, io::to_kitti_object(box.box, frame.calibration));
+      }
+      lines.push_back(std::move(line));
     }
   }
-  return detections;
+  return lines;
 }
 
 class Results {
@@ -136,10 +90,10 @@ class Results {
 
   void add(const Contestant& contestant, const io::KittiFrame& frame,
            const std::vector<Detection>& objects, std::vector<Detection> found) {
-    add_boxes(contestant.name, contestant.box, frame, found);
+    add_boxes(contestant.name, contestant.box, frame.labels, result_lines(found, frame));
     if (contestant.request.quantiles.empty()) return;
     for (const double q : options_.quantiles) {
-      add_boxes(contestant.name, quantile_name(q), frame, with_quantile_box(found, q));
+      add_boxes(contestant.name, quantile_name(q), frame.labels, quantile_lines(found, q, frame));
     }
     if (contestant.name == "gaussian") {
       auto deviating = found;
@@ -177,16 +131,13 @@ class Results {
   }
 
  private:
-  void add_boxes(const std::string& detector, const std::string& box, const io::KittiFrame& frame,
-                 const std::vector<Detection>& found) {
+  void add_boxes(const std::string& detector, const std::string& box,
+                 const std::vector<io::KittiObject>& labels, std::vector<io::KittiObject> lines) {
     auto row = std::find_if(rows_.begin(), rows_.end(), [&](const RowFrames& one) {
       return one.detector == detector && one.box == box;
     });
     if (row == rows_.end()) row = rows_.insert(rows_.end(), {detector, box, {}});
-    row->frames.push_back(
-        {.labels = frame.labels,
-         .predictions = io::to_kitti_results(found, frame.calibration,
-                                             frame.image_size.value_or(io::kUsualImageSize))});
+    row->frames.push_back({.labels = labels, .predictions = std::move(lines)});
   }
 
   void add_uncertainty(const std::string& name, const std::vector<Detection>& objects,
@@ -248,7 +199,11 @@ OutdoorBenchmark run_outdoor_benchmark(const OutdoorBenchmarkOptions& options) {
   Progress progress("benchmark", static_cast<std::int64_t>(frames.size() * all.size()));
   for (const std::string& name : frames) {
     io::KittiFrame frame = dataset.load(options.split, name);
-    const auto objects = labelled_objects(dataset.paths(options.split, name), options.all_round);
+    const auto paths = dataset.paths(options.split, name);
+    const auto objects = labelled_objects(paths, options.all_round);
+    if (options.all_round) {
+      frame.labels = with_ignored(std::move(frame.labels), unseen_labels(paths));
+    }
     for (const Contestant& one : all) {
       auto found = one.detector->detect(frame.cloud.view(), one.request).detections;
       results.add(one, frame, objects, std::move(found));

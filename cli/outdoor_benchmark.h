@@ -19,8 +19,9 @@ struct OutdoorBenchmarkOptions {
   std::string split = "val";
   /// Scans at most; 0 for all.
   std::int64_t scans = 0;
-  /// Score promises and uncertainty on label_360, all directions; average precision and recall are
-  /// always those of the camera's view.
+  /// There are labels of what the camera does not see (label_360): promises and uncertainty are
+  /// scored in all directions. Average precision and recall are always those of the camera's view,
+  /// where those objects are then neither for nor against a detector.
   bool all_round = false;
   /// A model file or name; empty for none.
   std::string model;

@@ -53,7 +53,7 @@ set(CPACK_DEBIAN_IO_DESCRIPTION "Point-cloud files, datasets, tables and JSON of
 set(CPACK_DEBIAN_WHOLE_PACKAGE_NAME arbox)
 set(CPACK_DEBIAN_WHOLE_PACKAGE_DEPENDS "arbox-io (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_WHOLE_DESCRIPTION "${PROJECT_DESCRIPTION}: program and libraries")
-set(CPACK_DEBIAN_WHOLE_PACKAGE_RECOMMENDS "libtorch-dev, libpcl-dev")
+set(CPACK_DEBIAN_WHOLE_PACKAGE_RECOMMENDS "libtorch-dev, libpcl-dev, libopenblas0-openmp")
 set(CPACK_DEBIAN_VIEWER_PACKAGE_NAME arbox-viewer)
 set(CPACK_DEBIAN_VIEWER_PACKAGE_DEPENDS "arbox (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_VIEWER_DESCRIPTION "The window of arbox view --interactive")

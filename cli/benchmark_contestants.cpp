@@ -1,0 +1,83 @@
+#include "arbox/cli/benchmark_contestants.h"
+
+#include "arbox/cli/command_line.h"
+#include "arbox/cli/detector_flags.h"
+#include "arbox/cli/torch_module.h"
+#include "arbox/io/model_search.h"
+
+namespace arbox::cli {
+namespace {
+
+detectors::DetectionRequest plain_request(const OutdoorBenchmarkOptions& options) {
+  return {.score = options.score, .uncertainty = false};
+}
+
+Contestant model_contestant(const OutdoorBenchmarkOptions& options, const std::string& name,
+                            const std::string& head, const std::string& box,
+                            const detectors::DetectionRequest& request) {
+  DetectorFlags flags;
+  flags.model = options.model;
+  flags.head = head;
+  flags.mode = box;
+  return {.name = name, .box = box, .detector = make_detector(flags), .request = request};
+}
+
+Contestant quantile_contestant(const OutdoorBenchmarkOptions& options, const std::string& head,
+                               double q) {
+  DetectorFlags flags;
+  flags.model = options.model;
+  flags.head = head;
+  flags.mode = "quantile";
+  flags.overrides = {"post.quantile=" + std::to_string(q)};
+  return {.name = head,
+          .box = quantile_name(q),
+          .detector = make_detector(flags),
+          .request = plain_request(options)};
+}
+
+Contestant cluster_fit_contestant(const detectors::DetectionRequest& request) {
+  DetectorFlags flags;
+  flags.detector = "cluster_fit";
+  return {
+      .name = "cluster_fit", .box = "box", .detector = make_detector(flags), .request = request};
+}
+
+std::vector<std::string> heads_of(const OutdoorBenchmarkOptions& options) {
+  if (options.model.empty()) return {};
+  if (!options.heads.empty()) return options.heads;
+  return torch_module().model_heads(io::find_model(options.model).string());
+}
+
+}  // namespace
+
+std::string quantile_name(double q) { return "q " + std::to_string(q).substr(0, 4); }
+
+std::vector<Contestant> contestants(const OutdoorBenchmarkOptions& options, bool alone) {
+  const detectors::DetectionRequest plain = plain_request(options);
+  detectors::DetectionRequest sampled = plain;
+  if (!alone) {
+    sampled.quantiles = options.quantiles;
+    sampled.samples = sampled.uncertainty = true;
+  }
+  std::vector<Contestant> result;
+  const auto heads = heads_of(options);
+  if (!heads.empty()) {
+    result.push_back(model_contestant(options, "pointwise", heads[0], "pointwise", plain));
+  }
+  for (const std::string& head : heads) {
+    if (head == "pointwise") continue;
+    detectors::DetectionRequest request = sampled;
+    if (!alone && head == heads[0]) request.confidences = options.confidences;
+    result.push_back(model_contestant(options, head, head, "beam", request));
+    result.push_back(model_contestant(options, head, head, "mean", plain));
+    if (!alone) continue;
+    for (const double q : options.quantiles) {
+      result.push_back(quantile_contestant(options, head, q));
+    }
+  }
+  if (options.cluster_fit) result.push_back(cluster_fit_contestant(sampled));
+  if (result.empty()) throw UsageError("benchmark: expected a model or cluster_fit, got neither");
+  return result;
+}
+
+}  // namespace arbox::cli

@@ -21,6 +21,9 @@ void pack(PackFlags& flags) {
   flags.request.model = std::filesystem::is_directory(flags.model)
                             ? flags.model
                             : io::find_model(flags.model).string();
+  if (!flags.request.average.empty()) {
+    flags.request.average = io::find_model(flags.request.average).string();
+  }
   if (!flags.card.empty()) flags.request.card = io::read_file(flags.card);
   torch_module().pack(flags.request);
   std::printf("model         %s\nbytes         %llu\n", flags.request.output.c_str(),
@@ -46,6 +49,21 @@ void add_pack(CLI::App& app) {
       ->type_name("FILE");
   command->add_flag("--half", flags->request.half,
                     "Write weights as float16, half the size; norms, biases and statistics stay");
+  CLI::Option* average =
+      command
+          ->add_option("--average", flags->request.average,
+                       "Mix with the weights of another model of the same network; the result "
+                       "is not calibrated")
+          ->type_name("FILE|NAME");
+  command->add_option("--share", flags->request.share, "The other model's share of the mean")
+      ->needs(average)
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--average-except", flags->request.average_except,
+                   "Parts that keep their own weights, for example box_heads")
+      ->needs(average)
+      ->type_name("PART");
   command
       ->add_option("--card", flags->card,
                    "Markdown: what the model was trained on, how good it is, what it is not for")

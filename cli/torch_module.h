@@ -59,6 +59,11 @@ struct PackRequest {
   /// A model file, or the folder of a training run.
   std::string model;
   std::string output;
+  /// A model whose weights the result's move towards, and how far; empty for none. Parts in
+  /// `average_except` keep theirs and need not be there.
+  std::string average;
+  double share = 0.5;
+  std::vector<std::string> average_except;
   /// In place of the model's own card, if not empty.
   std::string card;
   /// KEY=VALUE changes to the network's options.
@@ -108,7 +113,7 @@ struct TorchModule {
   TrainOutcome (*train)(const TrainRequest& request);
   /// The heads of a model file, the one that answers first.
   std::vector<std::string> (*model_heads)(const std::string& file);
-  /// Keeps calibration and, unless another is given, the card.
+  /// Keeps the card, unless another is given, and the calibration, unless weights change.
   void (*pack)(const PackRequest& request);
 };
 

@@ -84,6 +84,11 @@ void pack(const PackRequest& request) {
   pv_rcnn::Model model = std::filesystem::is_directory(request.model)
                              ? model_of_run(request.model, request.overrides)
                              : pv_rcnn::load_model(request.model, request.overrides);
+  if (!request.average.empty()) {
+    training::average_weights(*model.network, request.average, request.share,
+                              request.average_except);
+    model.notes.calibration.reset();
+  }
   if (!request.card.empty()) model.notes.card = request.card;
   pv_rcnn::save_model(
       request.output, *model.network, model.notes,

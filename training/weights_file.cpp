@@ -1,5 +1,7 @@
 #include "arbox/training/weights_file.h"
 
+#include <ATen/ops/lerp.h>
+
 #include <algorithm>
 
 #include "arbox/base/error.h"
@@ -36,6 +38,27 @@ NamedTensors tensors_in(const io::ModelArchive& archive) {
   return tensors;
 }
 
+NamedTensors without(NamedTensors tensors, const std::vector<std::string>& parts) {
+  std::erase_if(tensors, [&](const auto& entry) {
+    return std::any_of(parts.begin(), parts.end(),
+                       [&](const std::string& part) { return in_part(entry.first, part); });
+  });
+  return tensors;
+}
+
+/// What a file holds, fractions in the type that `to` has under the same name.
+NamedTensors tensors_like(const NamedTensors& to, const std::filesystem::path& path,
+                          const std::vector<std::string>& except) {
+  NamedTensors from = without(tensors_in(io::read_model_archive(path)), except);
+  for (auto& [name, tensor] : from) {
+    const auto target = to.find(name);
+    if (target != to.end() && tensor.is_floating_point()) {
+      tensor = tensor.to(target->second.scalar_type());
+    }
+  }
+  return from;
+}
+
 }  // namespace
 
 void save_weights(torch::nn::Module& network, const std::filesystem::path& path) {
@@ -49,19 +72,23 @@ void save_weights(torch::nn::Module& network, const std::filesystem::path& path)
 
 void load_weights(torch::nn::Module& network, const std::filesystem::path& path,
                   const std::vector<std::string>& except) {
-  NamedTensors to = network_tensors(network);
-  NamedTensors from = tensors_in(io::read_model_archive(path));
-  const auto excepted = [&](const auto& entry) {
-    return std::any_of(except.begin(), except.end(),
-                       [&](const std::string& part) { return in_part(entry.first, part); });
-  };
-  std::erase_if(to, excepted);
-  std::erase_if(from, excepted);
+  const NamedTensors to = without(network_tensors(network), except);
+  copy_tensors(to, tensors_like(to, path, except), path.string());
+}
+
+void average_weights(torch::nn::Module& network, const std::filesystem::path& path, double share,
+                     const std::vector<std::string>& except) {
+  if (!(share >= 0 && share <= 1)) {
+    throw InvalidArgument("average_weights: expected a share from 0 to 1, got " +
+                          std::to_string(share));
+  }
+  const NamedTensors to = without(network_tensors(network), except);
+  NamedTensors from = tensors_like(to, path, except);
   for (auto& [name, tensor] : from) {
-    const auto target = to.find(name);
-    if (target != to.end() && tensor.is_floating_point()) {
-      tensor = tensor.to(target->second.scalar_type());
-    }
+    const auto own = to.find(name);
+    if (own == to.end() || own->second.sizes() != tensor.sizes()) continue;
+    tensor = tensor.is_floating_point() ? at::lerp(own->second.detach(), tensor, share)
+                                        : own->second.clone();
   }
   copy_tensors(to, from, path.string());
 }

@@ -236,6 +236,7 @@ train: {steps: 3, batch_size: 1, seed: 5}
         ASSERT_NEAR(is[i], was[i], 1e-3 * std::abs(was[i]) + 1e-7) << name;
       }
     }
+    mix(model);
     const std::string now = path("now.arbox");
     const auto of_run = run_arbox({"pack", path("whole"), "--output", now});
     ASSERT_EQ(of_run.exit_code, 0) << of_run.errors;
@@ -246,6 +247,32 @@ train: {steps: 3, batch_size: 1, seed: 5}
                           {"no_such.arbox"});
     expect_one_line_error(run_arbox({"pack", model, "--set", "post.nms_iou=2", "--output", packed}),
                           1, {"nms_iou"});
+  }
+
+  /// With itself a model stays what it is but for its calibration, which other weights break.
+  static void mix(const std::string& model) {
+    const std::string mixed = path("mixed.arbox"), calibrated = path("calibrated.arbox");
+    const auto result = run_arbox({"pack", calibrated, "--average", model, "--share", "0.3",
+                                   "--average-except", "box_heads", "--output", mixed});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    const auto before = arbox::io::read_model_archive(calibrated);
+    const auto after = arbox::io::read_model_archive(mixed);
+    EXPECT_FALSE(before.calibration.empty());
+    EXPECT_TRUE(after.calibration.empty()) << after.calibration;
+    for (const auto& [name, record] : after.records) {
+      const auto was = before.records.at(name).values<double>(), is = record.values<double>();
+      for (std::size_t i = 0; i < is.size(); ++i) {
+        ASSERT_NEAR(is[i], was[i], 1e-6 * std::abs(was[i])) << name;
+      }
+    }
+    expect_one_line_error(run_arbox({"pack", model, "--share", "0.3", "--output", mixed}), 2,
+                          {"--share", "--average"});
+    expect_one_line_error(
+        run_arbox({"pack", model, "--average", "no_such.arbox", "--output", mixed}), 1,
+        {"no_such.arbox"});
+    expect_one_line_error(
+        run_arbox({"pack", model, "--average", "pv_rcnn_compact", "--output", mixed}), 1,
+        {"unknown box_heads.discrete"});
   }
 
   /// The whole benchmark, on two scans.

@@ -7,6 +7,7 @@
 #include <ATen/ops/zeros.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -117,6 +118,39 @@ TEST(WeightsFile, HoldsHalfPrecisionWeightsThatAnotherNetworkTakes) {
   save_weights(*block(), folder / "w.arbox");
   load_weights(*to, folder / "w.arbox", {"conv2"});
   EXPECT_TRUE(to->named_parameters()["conv2.kernel"].equal(before));
+}
+
+TEST(WeightsFile, TheMeanLiesBetweenTwoNetworks) {
+  const TemporaryDirectory folder;
+  const auto other = block(), network = block();
+  // What float16 holds without rounding, so that the file is the network.
+  for (const auto& [name, tensor] : network_tensors(*other)) {
+    if (tensor.is_floating_point()) tensor.detach().copy_(tensor.detach().to(at::kHalf));
+  }
+  save_weights(*other, folder / "w.arbox");
+  NamedTensors before;
+  for (const auto& [name, tensor] : network_tensors(*network)) before[name] = tensor.clone();
+  average_weights(*network, folder / "w.arbox", 0.25, {"conv2"});
+  const NamedTensors target = network_tensors(*other);
+  for (const auto& [name, tensor] : network_tensors(*network)) {
+    const bool moved = tensor.is_floating_point() && !in_part(name, "conv2");
+    const at::Tensor expected =
+        moved ? 0.75 * before.at(name) + 0.25 * target.at(name) : before.at(name);
+    EXPECT_TRUE(tensor.allclose(expected, 1e-5, 1e-7)) << name;
+  }
+  EXPECT_FALSE(network_tensors(*network).at("conv1.kernel").equal(before.at("conv1.kernel")));
+  average_weights(*network, folder / "w.arbox", 1.0);
+  for (const auto& [name, tensor] : network_tensors(*network)) {
+    if (tensor.is_floating_point()) {
+      EXPECT_TRUE(tensor.equal(target.at(name))) << name;
+    }
+  }
+  for (const double share : {-0.1, 1.1, std::nan("")}) {
+    EXPECT_THROW(average_weights(*network, folder / "w.arbox", share), InvalidArgument) << share;
+  }
+  const auto wider = std::make_shared<sparse::ResidualBlock>(6, 6, 1);
+  expect_message<FormatError>([&] { average_weights(*wider, folder / "w.arbox", 0.5); },
+                              "conv1.kernel: expected Float [27, 6, 6], got Float [27, 4, 6]");
 }
 
 TEST(WeightsFile, WhatDoesNotFitIsListedAndNothingChanges) {

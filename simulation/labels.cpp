@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 
+#include "arbox/base/error.h"
 #include "arbox/base/options.h"
 #include "arbox/base/random.h"
 #include "arbox/io/kitti.h"
@@ -108,16 +110,21 @@ io::KittiObject dont_care(const io::ImageBox& box) {
 
 }  // namespace
 
-SceneLabels make_labels(const Scene& scene, const RayTracer& tracer, const CameraView& camera,
+SceneLabels make_labels(const Scene& scene, std::span<const geometry::Box> boxes,
+                        const RayTracer& tracer, const CameraView& camera,
                         const LabelOptions& options) {
   validate_options(options, "label options");
+  if (boxes.size() != scene.objects.size()) {
+    throw InvalidArgument("make_labels: expected " + std::to_string(scene.objects.size()) +
+                          " boxes, one an object, got " + std::to_string(boxes.size()));
+  }
   const Projector projector = projector_of(camera);
   const auto seen = outlines(scene, projector, camera.image);
   SceneLabels labels;
   std::vector<io::KittiObject> ignored;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
-    io::KittiObject label = io::to_kitti_object(object.box, camera.calibration);
+    io::KittiObject label = io::to_kitti_object(boxes[i], camera.calibration);
     label.type = object.label;
     label.alpha = io::observation_angle(label);
     const RandomStream random(scene.seed, i, kAnnotator);

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "arbox/base/option_field.h"
+#include "arbox/geometry/box.h"
 #include "arbox/io/kitti_object.h"
 #include "arbox/simulation/kitti_cameras.h"
 #include "arbox/simulation/ray_tracer.h"
@@ -76,11 +78,14 @@ struct SceneLabels {
   std::vector<std::size_t> image_objects, around_objects;
 };
 
-/// Labels of a scene at the reference time, in the benchmark's numbers. 2-D boxes are the bounds of
-/// the projected triangles cut to the image; truncation the share of them that is cut away;
-/// occlusion from rays of the camera: the share of the object's own outline in the image that
-/// nothing covers. Cost: some 150 rays an object in view.
-SceneLabels make_labels(const Scene& scene, const RayTracer& tracer, const CameraView& camera,
+/// Labels of a scene in the benchmark's numbers, with these boxes for Scene::objects: scanned_boxes
+/// of the scan that the labels go with. The rest is what the camera sees at the reference time: 2-D
+/// boxes are the bounds of the projected triangles cut to the image; truncation the share of them
+/// that is cut away; occlusion from rays of the camera: the share of the object's own outline in
+/// the image that nothing covers. Throws InvalidArgument if boxes and objects differ in number.
+/// Cost: some 150 rays an object in view.
+SceneLabels make_labels(const Scene& scene, std::span<const geometry::Box> boxes,
+                        const RayTracer& tracer, const CameraView& camera,
                         const LabelOptions& options = {});
 
 /// The ground plane of a planes file, in the rectified camera frame.

@@ -185,7 +185,44 @@ bool echo_of(const RayTracer& tracer, const LidarModel& model, const LidarBeam& 
   return echo.range >= model.nearest && echo.range < model.farthest;
 }
 
+/// The box at `seconds` from the reference time.
+geometry::Box box_at(const SceneObject& object, const EgoMotion& ego, double seconds,
+                     bool compensated) {
+  geometry::Box box = object.box;
+  box.center += seconds * object.velocity;
+  if (compensated) return box;
+  const Eigen::Isometry3d to_scanner = scanner_pose(ego, seconds).inverse();
+  box.center = to_scanner * box.center;
+  box.rotation = Eigen::Quaterniond(to_scanner.linear()) * box.rotation;
+  return box;
+}
+
+/// Seconds from the reference time to the moment when the scanner faces the middle of the object:
+/// the head's azimuth falls at a constant rate, the object's changes little meanwhile.
+double time_faced(const SceneObject& object, const EgoMotion& ego, double duration) {
+  constexpr int kIterations = 4;
+  const Eigen::Vector3d& start = object.box.center;
+  const double first = std::atan2(start.y(), start.x());
+  double seconds = -first / kTurn * duration;
+  for (int i = 0; i < kIterations; ++i) {
+    const Eigen::Vector3d center = box_at(object, ego, seconds, false).center;
+    const double turned = std::remainder(std::atan2(center.y(), center.x()) - first, kTurn);
+    seconds = std::clamp(-(first + turned) / kTurn * duration, -0.5 * duration, 0.5 * duration);
+  }
+  return seconds;
+}
+
 }  // namespace
+
+std::vector<geometry::Box> scanned_boxes(const Scene& scene, const LidarModel& model,
+                                         const LidarOptions& options) {
+  std::vector<geometry::Box> boxes;
+  for (const SceneObject& object : scene.objects) {
+    const double seconds = time_faced(object, scene.ego, model.duration);
+    boxes.push_back(box_at(object, scene.ego, seconds, options.motion_compensated));
+  }
+  return boxes;
+}
 
 std::vector<LidarReturn> scan(const Scene& scene, const RayTracer& tracer, const LidarModel& model,
                               const LidarOptions& options) {

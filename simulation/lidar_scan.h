@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "arbox/geometry/box.h"
 #include "arbox/geometry/point_cloud_view.h"
 #include "arbox/simulation/lidar_model.h"
 #include "arbox/simulation/ray_tracer.h"
@@ -32,6 +33,14 @@ struct LidarOptions {
 /// azimuth 0. Random numbers depend on (scene.seed, ring, firing) alone.
 std::vector<LidarReturn> scan(const Scene& scene, const RayTracer& tracer, const LidarModel& model,
                               const LidarOptions& options = {});
+
+/// Where such a scan shows each object of the scene: its box in the frame of its returns, at the
+/// moment when the scanner faces the middle of the box. Without compensation the own vehicle's
+/// movement and the object's shift the box, up to half a revolution's way behind the scanner; with
+/// it only the object's do. KITTI's annotators drew boxes around returns, so labels say these. The
+/// beams' own azimuth offsets (a few degrees) are left out.
+std::vector<geometry::Box> scanned_boxes(const Scene& scene, const LidarModel& model,
+                                         const LidarOptions& options = {});
 
 /// x y z intensity rows, as velodyne files have them.
 geometry::PointCloud to_cloud(const std::vector<LidarReturn>& returns);

@@ -44,6 +44,8 @@ struct StreetScan {
   Scene scene;
   CameraView camera;
   std::vector<LidarReturn> returns;
+  /// Where the scan shows each of scene.objects (scanned_boxes): what the labels say.
+  std::vector<geometry::Box> object_boxes;
   SceneLabels labels;
 
   /// The scan as x y z intensity.

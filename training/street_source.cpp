@@ -18,9 +18,9 @@ Scene StreetSceneSource::scene(std::int64_t index) const {
   Scene result;
   result.cloud = scan.cloud();
   result.source = "street " + std::to_string(number) + " of seed " + std::to_string(options_.seed);
-  for (const simulation::SceneObject& object : scan.scene.objects) {
-    SceneObject& added = result.objects.emplace_back(classes_.object(object.label));
-    added.box = object.box;
+  for (std::size_t i = 0; i < scan.scene.objects.size(); ++i) {
+    SceneObject& added = result.objects.emplace_back(classes_.object(scan.scene.objects[i].label));
+    added.box = scan.object_boxes[i];
   }
   result.ground =
       io::KittiPlane{.normal = scan.scene.ground_normal, .offset = scan.scene.ground_offset};

@@ -17,6 +17,22 @@ using geometry::Box;
 constexpr double kTolerance = 1e-9;
 constexpr int kGrowthSteps = 900;
 
+constexpr int kBetweenSteps = 8;
+
+/// Short in a file, and the same when read back.
+double rounded(double extent) { return std::round(extent * 1e6) / 1e6; }
+
+/// The least step above 0 that is enough; the last one is.
+template <class Enough>
+int least_step(int steps, const Enough& enough) {
+  int too_small = 0, least = steps;
+  while (least - too_small > 1) {
+    const int middle = (too_small + least) / 2;
+    (enough(middle) ? least : too_small) = middle;
+  }
+  return least;
+}
+
 double growth(int step) { return (100 + step) / 100.0; }
 
 bool holds(const Box& outer, const Box& inner) {
@@ -68,9 +84,12 @@ geometry::Box ConfidenceFamily::box(double extent) const {
                           std::to_string(extent));
   }
   if (extent > 1.0) return grown(boxes_.back(), extent);
-  const auto above = std::upper_bound(extents_.begin(), extents_.end(), extent);
-  const auto place = std::max<std::ptrdiff_t>(above - extents_.begin() - 1, 0);
-  return boxes_[static_cast<std::size_t>(place)];
+  const auto place = std::lower_bound(extents_.begin(), extents_.end(), extent);
+  const auto next = static_cast<std::size_t>(place - extents_.begin());
+  if (next == 0) return boxes_.front();
+  const double before = extents_[next - 1];
+  return geometry::box_between(boxes_[next - 1], boxes_[next],
+                               std::min((extent - before) / (extents_[next] - before), 1.0));
 }
 
 double ConfidenceFamily::extent_containing(const geometry::Box& truth, double min_iog) const {
@@ -78,15 +97,19 @@ double ConfidenceFamily::extent_containing(const geometry::Box& truth, double mi
     return geometry::overlap(candidate, truth, {.measure = geometry::Overlap::kIog}) > min_iog;
   };
   for (std::size_t i = 0; i < boxes_.size(); ++i) {
-    if (contains_truth(boxes_[i])) return extents_[i];
+    if (!contains_truth(boxes_[i])) continue;
+    if (i == 0) return extents_[0];
+    const auto between = [&](int step) {
+      return step == kBetweenSteps ? extents_[i]
+                                   : rounded(extents_[i - 1] + (extents_[i] - extents_[i - 1]) *
+                                                                   step / kBetweenSteps);
+    };
+    return between(
+        least_step(kBetweenSteps, [&](int step) { return contains_truth(box(between(step))); }));
   }
   if (!contains_truth(box(growth(kGrowthSteps)))) return std::numeric_limits<double>::infinity();
-  int too_small = 0, enough = kGrowthSteps;
-  while (enough - too_small > 1) {
-    const int middle = (too_small + enough) / 2;
-    (contains_truth(box(growth(middle))) ? enough : too_small) = middle;
-  }
-  return growth(enough);
+  return growth(
+      least_step(kGrowthSteps, [&](int step) { return contains_truth(box(growth(step))); }));
 }
 
 }  // namespace arbox::evaluation

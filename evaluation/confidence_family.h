@@ -11,10 +11,11 @@
 /// falls to 0, then the q = 0 box grown about its centre.
 ///
 /// One number tells them apart, the extent: up to 1 it is 1 - q, above 1 the factor by which the
-/// q = 0 box is grown. A box of larger extent contains all of smaller extent, so that "contains the
-/// object" can only become true as the extent rises. Quantile boxes alone need not be nested (their
-/// rotations differ); where one does not contain the one before, the smallest box around both in
-/// either's rotation takes its place.
+/// q = 0 box is grown. Between the 1 - q of two boxes faces go from the one to the other in
+/// proportion (geometry::box_between). A box of larger extent contains all of smaller extent, so
+/// that "contains the object" can only become true as the extent rises. Quantile boxes alone need
+/// not be nested (their rotations differ); where one does not contain the one before, the smallest
+/// box around both in either's rotation takes its place.
 
 namespace arbox::evaluation {
 
@@ -38,13 +39,13 @@ class ConfidenceFamily {
   explicit ConfidenceFamily(const geometry::BoxSamples& samples,
                             const ConfidenceFamilyOptions& options = {});
 
-  /// The box of an extent: the largest quantile box with 1 - q at most that, the smallest one if
-  /// there is none. Throws InvalidArgument unless the extent is above 0 and finite.
+  /// The box of an extent; the smallest one for all below its 1 - q. Throws InvalidArgument unless
+  /// the extent is above 0 and finite.
   geometry::Box box(double extent) const;
 
-  /// The least extent whose box covers more than min_iog of `truth`: a 1 - q, or a factor from 1.01
-  /// to 10 in steps of 0.01; infinity if even the factor 10 is too small. Throws InvalidArgument
-  /// for an invalid box.
+  /// The least extent whose box covers more than min_iog of `truth`: from one 1 - q to the next in
+  /// eight steps, or a factor from 1.01 to 10 in steps of 0.01; infinity if even the factor 10 is
+  /// too small. Throws InvalidArgument for an invalid box.
   double extent_containing(const geometry::Box& truth, double min_iog = kContainedIog) const;
 
  private:

@@ -6,6 +6,7 @@
 
 #include "arbox/base/error.h"
 #include "arbox/base/parallel.h"
+#include "arbox/geometry/enclosing_box.h"
 #include "arbox/geometry/internal/sample_set.h"
 #include "arbox/geometry/overlap.h"
 
@@ -17,6 +18,8 @@ namespace {
 
 constexpr int kLevels = 64;
 constexpr double kRounding = 1e-12;
+/// Halvings of the way from a box that holds too little to one that holds enough.
+constexpr int kHalvings = 8;
 
 /// Rounded, so that p = 0.9 asks for the double 0.1.
 double quantile_of(double p) { return std::round((1.0 - p) * 1e15) / 1e15; }
@@ -62,15 +65,29 @@ void require_probabilities(std::span<const double> ps) {
   }
 }
 
+/// The least box between one that holds less than p and one that holds p or more.
+Box least_between(const BoxSamples& samples, const Box& less, const Box& enough, double p) {
+  double low = 0.0, high = 1.0;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = (low + high) / 2;
+    const bool holds = held_share(samples, box_between(less, enough, middle)) >= p - kRounding;
+    (holds ? high : low) = middle;
+  }
+  return box_between(less, enough, high);
+}
+
 std::vector<ConfidenceBox> boxes_of(const BoxSamples& samples, std::span<const double> ps,
                                     const std::vector<double>& qs,
                                     const std::vector<QuantileBox>& boxes) {
   HeldShares shares(samples, boxes);
   std::vector<ConfidenceBox> result;
   for (const double p : ps) {
-    std::size_t i = std::find(qs.begin(), qs.end(), quantile_of(p)) - qs.begin();
+    const std::size_t first = std::find(qs.begin(), qs.end(), quantile_of(p)) - qs.begin();
+    std::size_t i = first;
     while (i + 1 < qs.size() && shares.of(i) < p - kRounding) ++i;
-    result.push_back({.p = p, .box = boxes[i].box});
+    const Box& box = boxes[i].box;
+    result.push_back(
+        {.p = p, .box = i > first ? least_between(samples, boxes[i - 1].box, box, p) : box});
   }
   return result;
 }

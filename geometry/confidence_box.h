@@ -22,13 +22,16 @@ inline constexpr double kHeldIog = 0.95;
 /// volume inside. Throws InvalidArgument for no samples, bad boxes or weights.
 double held_share(const BoxSamples& samples, const Box& box, double min_iog = kHeldIog);
 
-/// For each p in [0, 1], in the order asked for: the quantile box of the largest q <= 1 - p that
-/// holds samples of weight at least p. For ordered samples that is the quantile box of 1 - p.
+/// For each p in [0, 1], in the order asked for: the quantile box of 1 - p if it holds samples of
+/// weight at least p, as it does for ordered samples. If not, the least box that holds them between
+/// the quantile boxes of two q next to each other (box_between), the lower of which is the largest
+/// q whose box holds p. One sample more on each face would hold several samples more at once: boxes
+/// of 64 samples would hold about 0.04 more than p.
 ///
 /// It contains the object with probability p as far as the samples are true draws of where the
 /// object is; evaluation/confidence_calibration.h makes that a promise about objects.
 /// q takes the values 1 - p and i / 64. Errors as quantile_boxes(). Cost: that of one call of it,
-/// and up to 65 overlaps a sample.
+/// and up to 65 overlaps a sample and 9 for each p.
 std::vector<ConfidenceBox> confidence_boxes(const BoxSamples& samples, std::span<const double> ps,
                                             const QuantileOptions& options = {});
 

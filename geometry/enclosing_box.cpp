@@ -192,4 +192,24 @@ std::optional<Box> minimum_volume_box(std::span<const Vector3d> points, double m
   return with_sizes_descending(finished(*problem, boxes.front()));
 }
 
+Box box_between(const Box& inner, const Box& outer, double share) {
+  require_valid(inner, "box_between: inner");
+  require_valid(outer, "box_between: outer");
+  if (!(share >= 0.0 && share <= 1.0)) {
+    throw InvalidArgument("box_between: expected a share in [0, 1], got " + std::to_string(share));
+  }
+  if (share == 1.0) return outer;
+  const Eigen::Matrix3d turn = (outer.rotation.conjugate() * inner.rotation).toRotationMatrix();
+  const Vector3d center = outer.rotation.conjugate() * (inner.center - outer.center);
+  const Vector3d reach = turn.cwiseAbs() * inner.size / 2;
+  const Vector3d half = outer.size / 2;
+  const Vector3d start_low = (center - reach).cwiseMax(-half).cwiseMin(half);
+  const Vector3d start_high = (center + reach).cwiseMax(-half).cwiseMin(half);
+  const Vector3d low = start_low + share * (-half - start_low);
+  const Vector3d high = start_high + share * (half - start_high);
+  return {.center = outer.center + outer.rotation * ((low + high) / 2),
+          .size = (high - low).cwiseMax(kMinimumBoxSize),
+          .rotation = outer.rotation};
+}
+
 }  // namespace arbox::geometry

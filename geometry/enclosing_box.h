@@ -43,4 +43,10 @@ std::optional<Box> minimum_volume_yaw_box(std::span<const Eigen::Vector3d> point
 std::optional<Box> minimum_volume_box(std::span<const Eigen::Vector3d> points,
                                       double minimum_size = kMinimumBoxSize);
 
+/// The box in outer's rotation whose faces have gone the given share of the way from those of the
+/// smallest such box around `inner` to outer's own; what of `inner` lies outside of `outer` is cut
+/// off. Share 1 gives `outer` itself; a larger share contains all smaller ones, but for sizes grown
+/// to kMinimumBoxSize. Throws InvalidArgument for bad boxes and a share that is not in [0, 1].
+Box box_between(const Box& inner, const Box& outer, double share);
+
 }  // namespace arbox::geometry

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <vector>
@@ -208,6 +209,48 @@ TEST(EnclosingBox, EmptyAndBadInput) {
   EXPECT_THROW(enclosing_box(points, std::vector<Quaternion>{{2, 0, 0, 0}}),
                arbox::InvalidArgument);
   EXPECT_THROW(minimum_volume_box(points, 0.0), arbox::InvalidArgument);
+}
+
+TEST(BoxBetween, GoesFromTheBoxAroundTheInnerOneToTheOuterOne) {
+  const Box inner = make_yaw_box({101, 0, 0}, {2, 2, 2}, 0);
+  const Box outer = make_yaw_box({100, 0, 0}, {8, 4, 2}, 0);
+  const Box half = box_between(inner, outer, 0.5);
+  EXPECT_NEAR((half.center - Eigen::Vector3d(100.5, 0, 0)).norm(), 0, 1e-12);
+  EXPECT_NEAR((half.size - Eigen::Vector3d(5, 3, 2)).norm(), 0, 1e-12);
+  const Box turned = make_yaw_box({100, 0, 0}, {2, 2, 2}, std::numbers::pi / 4);
+  EXPECT_NEAR(box_between(turned, outer, 0).size.x(), std::sqrt(8), 1e-12);
+  EXPECT_NEAR(box_between(make_yaw_box({104, 0, 0}, {2, 2, 2}, 0), outer, 0).size.x(), 1, 1e-12)
+      << "what lies outside is cut off";
+}
+
+TEST(BoxBetween, LargerSharesContainSmallerOnesAndWhatBothContain) {
+  std::mt19937_64 random(71);
+  for (int trial = 0; trial < 200; ++trial) {
+    const auto boxes = arbox::testing::scattered_samples(random, 2, 0.5, trial % 2 == 0);
+    Box before = box_between(boxes[0], boxes[1], 0);
+    for (const Eigen::Vector3d& corner : corners(boxes[0])) {
+      EXPECT_TRUE(!contains(boxes[1], corner, 0) || contains(before, corner, 1e-9));
+    }
+    for (const double share : {0.1, 0.35, 0.8, 1.0}) {
+      const Box box = box_between(boxes[0], boxes[1], share);
+      for (const Eigen::Vector3d& corner : corners(before)) {
+        EXPECT_TRUE(contains(box, corner, 1e-6)) << trial << " " << share;
+      }
+      before = box;
+    }
+    EXPECT_EQ(before.size, boxes[1].size);
+  }
+}
+
+TEST(BoxBetween, RefusesBadInput) {
+  const Box box = make_yaw_box({0, 0, 0}, {1, 1, 1}, 0);
+  for (const double share : {-0.1, 1.1, std::nan("")}) {
+    EXPECT_THROW(box_between(box, box, share), arbox::InvalidArgument);
+  }
+  EXPECT_THROW(box_between(box, {.size = {0, 1, 1}}, 0.5), arbox::InvalidArgument);
+  EXPECT_THROW(box_between({.size = {1, std::nan(""), 1}}, box, 0.5), arbox::InvalidArgument);
+  EXPECT_GT(box_between(make_yaw_box({50, 0, 0}, {1, 1, 1}, 0), box, 0).size.minCoeff(), 0)
+      << "boxes that do not meet still give a box";
 }
 
 }  // namespace

@@ -91,13 +91,13 @@ std::string uncertainty_table(const OutdoorBenchmark& benchmark) {
 drawing::Panel precision_panel(const OutdoorBenchmark& benchmark, const std::string& detector) {
   drawing::Panel panel;
   panel.title = detector;
-  // Room for the legend above the bars.
-  panel.y = {.label = "AP of cars, moderate, 3-D (percent)", .low = 0.0, .high = 120.0};
+  panel.legend_above = true;
+  panel.y = {.label = "AP of cars, hard, 3-D (percent)", .low = 0.0, .high = 100.0};
   panel.bars = {{.name = "IoU", .heights = {}}, {.name = "IoG", .heights = {}}};
   const auto height = [](const KittiReport& report) {
-    constexpr std::size_t kModerate = 1;
+    constexpr std::size_t kHard = 2;
     const auto& car = report.classes.front();
-    return car.box3d ? (*car.box3d)[kModerate].r40() : 0.0;
+    return car.box3d ? (*car.box3d)[kHard].r40() : 0.0;
   };
   for (const BenchmarkRow& row : benchmark.rows) {
     const bool compared = row.detector == kPointwise && detector != "cluster_fit";

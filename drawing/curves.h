@@ -57,6 +57,8 @@ struct Panel {
   std::vector<std::string> categories = {};
   /// A dashed grey line y = x, what perfect calibration would give.
   bool diagonal = false;
+  /// The legend in a row above the axes, for charts whose data fill them to the top.
+  bool legend_above = false;
 };
 
 struct FigureOptions {

@@ -14,6 +14,9 @@ constexpr Color kSoftInk = {90, 90, 90};
 constexpr Color kGrid = {228, 228, 228};
 constexpr Color kPaper = {255, 255, 255};
 constexpr double kTextSize = 14.0;
+constexpr double kLegendRow = 21.0;
+constexpr double kSwatch = 26.0;
+constexpr TextStyle kLegendStyle = {.size = kTextSize - 1, .color = kInk, .across = Align::kMiddle};
 
 bool drawable(double value, bool logarithmic) {
   return std::isfinite(value) && (!logarithmic || value > 0.0);
@@ -96,8 +99,8 @@ class PanelPainter {
     draw_bars();
     if (panel_.diagonal) draw_diagonal();
     draw_series();
-    draw_legend();
     canvas_.clip_to_all();
+    draw_legend();
   }
 
  private:
@@ -126,6 +129,7 @@ class PanelPainter {
     plot_ = {room_.left + 24.0, room_.top + (panel_.title.empty() ? 14.0 : 38.0),
              room_.right - 20.0, room_.bottom - (panel_.x.label.empty() ? 34.0 : 58.0)};
     if (!panel_.y.label.empty()) plot_.left += 26.0;
+    if (panel_.legend_above) plot_.top += kLegendRow + 2.0;
     y_.from = plot_.bottom;
     y_.to = plot_.top;
     y_ticks_ = y_.ticks(46.0);
@@ -289,27 +293,40 @@ class PanelPainter {
   void draw_legend() {
     std::erase_if(entries_, [](const Entry& entry) { return entry.name.empty(); });
     if (entries_.empty()) return;
-    const TextStyle style = {.size = kTextSize - 1, .color = kInk, .across = Align::kMiddle};
-    const double row = 21.0, swatch = 26.0;
-    double widest = 0.0;
-    for (const Entry& entry : entries_) {
-      widest = std::max(widest, Canvas::text_rect({0, 0}, entry.name, style).width());
+    if (panel_.legend_above) {
+      Point place(plot_.left, plot_.top - kLegendRow / 2 - 2.0);
+      for (const Entry& entry : entries_) {
+        draw_entry(entry, place);
+        place.x() += entry_width(entry) + 16.0;
+      }
+      return;
     }
+    double widest = 0.0;
+    for (const Entry& entry : entries_) widest = std::max(widest, entry_width(entry));
     const Rect rect =
-        legend_place(widest + swatch + 26.0, row * static_cast<double>(entries_.size()) + 8.0);
+        legend_place(widest + 18.0, kLegendRow * static_cast<double>(entries_.size()) + 8.0);
     canvas_.fill(rect, {200, 200, 200}, 0.9);
     canvas_.fill(rect.grown(-1.0), kPaper, 0.95);
-    double y = rect.top + 4.0 + row / 2;
+    Point place(rect.left + 9.0, rect.top + 4.0 + kLegendRow / 2);
     for (const Entry& entry : entries_) {
-      const double left = rect.left + 9.0;
-      if (entry.bar) canvas_.fill(Rect{left + 6, y - 6, left + 20, y + 6}, entry.color, 0.9);
-      if (!entry.bar && entry.line != LineStyle::kNone) {
-        canvas_.line({left, y}, {left + swatch, y}, stroke(entry.color, entry.line));
-      }
-      if (entry.markers) canvas_.disc({left + swatch / 2, y}, 3.5, entry.color);
-      canvas_.text({left + swatch + 8.0, y}, entry.name, style);
-      y += row;
+      draw_entry(entry, place);
+      place.y() += kLegendRow;
     }
+  }
+
+  static double entry_width(const Entry& entry) {
+    return kSwatch + 8.0 + Canvas::text_rect({0, 0}, entry.name, kLegendStyle).width();
+  }
+
+  /// `place`: the middle of its left end.
+  void draw_entry(const Entry& entry, const Point& place) {
+    const double left = place.x(), y = place.y();
+    if (entry.bar) canvas_.fill(Rect{left + 6, y - 6, left + 20, y + 6}, entry.color, 0.9);
+    if (!entry.bar && entry.line != LineStyle::kNone) {
+      canvas_.line({left, y}, {left + kSwatch, y}, stroke(entry.color, entry.line));
+    }
+    if (entry.markers) canvas_.disc({left + kSwatch / 2, y}, 3.5, entry.color);
+    canvas_.text({left + kSwatch + 8.0, y}, entry.name, kLegendStyle);
   }
 
   Canvas& canvas_;

@@ -1,8 +1,6 @@
 #include "arbox/geometry/confidence_box.h"
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
 
 #include "arbox/base/error.h"
 #include "arbox/base/parallel.h"
@@ -21,22 +19,12 @@ constexpr double kRounding = 1e-12;
 /// Halvings of the way from a box that holds too little to one that holds enough.
 constexpr int kHalvings = 8;
 
-/// Rounded, so that p = 0.9 asks for the double 0.1.
-double quantile_of(double p) { return std::round((1.0 - p) * 1e15) / 1e15; }
-
 /// Falling to 0.
-std::vector<double> candidate_quantiles(std::span<const double> ps) {
+std::vector<double> levels() {
   std::vector<double> qs;
-  double highest = 0.0;
-  for (const double p : ps) {
-    qs.push_back(quantile_of(p));
-    highest = std::max(highest, qs.back());
-  }
-  for (int level = 0; level < kLevels && level <= highest * kLevels; ++level) {
+  for (int level = kLevels - 1; level >= 0; --level) {
     qs.push_back(static_cast<double>(level) / kLevels);
   }
-  std::sort(qs.begin(), qs.end(), std::greater<>());
-  qs.erase(std::unique(qs.begin(), qs.end()), qs.end());
   return qs;
 }
 
@@ -77,17 +65,15 @@ Box least_between(const BoxSamples& samples, const Box& less, const Box& enough,
 }
 
 std::vector<ConfidenceBox> boxes_of(const BoxSamples& samples, std::span<const double> ps,
-                                    const std::vector<double>& qs,
                                     const std::vector<QuantileBox>& boxes) {
   HeldShares shares(samples, boxes);
   std::vector<ConfidenceBox> result;
   for (const double p : ps) {
-    const std::size_t first = std::find(qs.begin(), qs.end(), quantile_of(p)) - qs.begin();
-    std::size_t i = first;
-    while (i + 1 < qs.size() && shares.of(i) < p - kRounding) ++i;
+    std::size_t i = 0;
+    while (i + 1 < boxes.size() && shares.of(i) < p - kRounding) ++i;
     const Box& box = boxes[i].box;
     result.push_back(
-        {.p = p, .box = i > first ? least_between(samples, boxes[i - 1].box, box, p) : box});
+        {.p = p, .box = i > 0 ? least_between(samples, boxes[i - 1].box, box, p) : box});
   }
   return result;
 }
@@ -113,10 +99,9 @@ std::vector<std::vector<ConfidenceBox>> confidence_boxes(std::span<const BoxSamp
   require_probabilities(ps);
   std::vector<std::vector<ConfidenceBox>> result(objects.size());
   if (ps.empty()) return result;
-  const std::vector<double> qs = candidate_quantiles(ps);
-  const auto boxes = quantile_boxes(objects, qs, options);
+  const auto boxes = quantile_boxes(objects, levels(), options);
   parallel_for(std::ssize(objects), 1, options.threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i) result[i] = boxes_of(objects[i], ps, qs, boxes[i]);
+    for (std::int64_t i = begin; i < end; ++i) result[i] = boxes_of(objects[i], ps, boxes[i]);
   });
   return result;
 }

@@ -20,7 +20,7 @@ struct DistributionBoxOptions {
   double temperature = 1.0;
   /// Quantile boxes wanted, in the order of the result.
   std::vector<double> quantiles = {};
-  /// Confidence boxes wanted (quantile boxes of q = 1 - p), in the order of the result.
+  /// Confidence boxes wanted (geometry::confidence_boxes), in the order of the result.
   std::vector<double> confidences = {};
   /// U(a, b) = 1 - IoU of the quantile boxes a and b.
   double uncertainty_first = 0.2, uncertainty_second = 0.8;

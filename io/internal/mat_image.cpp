@@ -23,7 +23,7 @@ constexpr std::uint64_t kMostElements = std::uint64_t{1} << 48;
 
 // Types of data elements.
 constexpr std::uint32_t kMatInt8 = 1, kMatInt32 = 5, kMatUint32 = 6, kMatMatrix = 14,
-                        kMatCompressed = 15, kMatUtf8 = 16, kMatUtf16 = 17, kMatUtf32 = 18;
+                        kMatCompressed = 15, kMatUtf8 = 16;
 // Classes of arrays.
 constexpr std::uint32_t kMatCell = 1, kMatStruct = 2, kMatChar = 4, kMatFirstNumeric = 6,
                         kMatLastNumeric = 15;

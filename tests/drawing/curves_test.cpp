@@ -55,6 +55,29 @@ TEST(Curves, LargerValuesStandHigherAndToTheRight) {
   EXPECT_EQ(count_color(image, kRed, x, 0, image.width, image.height, 50), 0);
 }
 
+TEST(Curves, ALegendAboveHidesNothingOfBarsThatReachTheTop) {
+  Panel panel;
+  panel.categories = {"a", "b"};
+  panel.bars = {{.name = "first", .heights = {100.0, 100.0}, .color = kRed}};
+  panel.y = {.low = 0.0, .high = 100.0};
+  const Image within = draw(panel);
+  panel.legend_above = true;
+  const Image above = draw(panel);
+  // Both bars' tops stand in one row of pixels, and only the legend's swatch above it.
+  const auto reds = [&](const Image& image, int y) {
+    return count_color(image, kRed, 0, y, image.width, y + 1, 60);
+  };
+  const auto top = [&](const Image& image) {
+    int y = 0;
+    while (y < image.height && reds(image, y) < image.width / 2) ++y;
+    return y;
+  };
+  const int full = reds(above, top(above) + 2);
+  for (int y = top(above) + 2; y < above.height * 3 / 4; ++y) EXPECT_EQ(reds(above, y), full) << y;
+  EXPECT_LT(reds(within, top(within) + 20), full) << "or this test proves nothing";
+  EXPECT_GT(count_color(above, kRed, 0, 0, above.width, top(above) - 4, 60), 50);
+}
+
 TEST(Curves, SkipsWhatIsNotFiniteAndStillDrawsTheRest) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();

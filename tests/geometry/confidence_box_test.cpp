@@ -14,17 +14,45 @@ using namespace arbox::geometry;
 using namespace arbox::testing;
 using arbox::InvalidArgument;
 
-TEST(ConfidenceBox, OfOrderedSamplesAreQuantileBoxes) {
+TEST(ConfidenceBox, OfOrderedSamplesLieWithinQuantileBoxes) {
   std::mt19937_64 random(61);
-  const auto samples = nested_boxes(random, 10, false);
   const std::vector<double> ps = {0.9, 0.3, 1.0};
   const std::vector<double> qs = {0.1, 0.7, 0.0};
-  const auto confidence = confidence_boxes({.boxes = samples}, ps);
-  const auto quantile = quantile_boxes(samples, qs);
-  for (std::size_t i = 0; i < ps.size(); ++i) {
-    EXPECT_EQ(confidence[i].p, ps[i]);
-    EXPECT_TRUE(equal_bytes(confidence[i].box, quantile[i].box));
+  for (int object = 0; object < 20; ++object) {
+    const auto samples = nested_boxes(random, 10, false);
+    const auto confidence = confidence_boxes({.boxes = samples}, ps);
+    const auto quantile = quantile_boxes(samples, qs);
+    for (std::size_t i = 0; i < ps.size(); ++i) {
+      EXPECT_EQ(confidence[i].p, ps[i]);
+      EXPECT_GE(held_share({.boxes = samples}, confidence[i].box), ps[i] - 1e-12);
+      EXPECT_GT(held_share({.boxes = std::span(&confidence[i].box, 1)}, quantile[i].box, 1 - 1e-6),
+                0.5);
+    }
   }
+}
+
+TEST(ConfidenceBox, GrowsUntilTheVolumeOfTheLastSampleCounts) {
+  std::vector<Box> samples;
+  for (double scale = 1; scale <= 10; ++scale) {
+    samples.push_back(make_yaw_box({8, 3, 0}, {2 * scale, scale, 1}, 0.4));
+  }
+  for (const ConfidenceBox& box :
+       confidence_boxes({.boxes = samples}, std::vector{0.2, 0.5, 0.9, 1.0})) {
+    const double last = volume(samples[std::lround(10 * box.p) - 1]);
+    EXPECT_GT(volume(box.box), kHeldIog * last);
+    EXPECT_LT(volume(box.box), (kHeldIog + 0.01) * last) << "256 degrees lie between two samples";
+  }
+}
+
+TEST(ConfidenceBox, OfNearlyEqualSamplesIsTheirCore) {
+  std::mt19937_64 random(64);
+  const auto samples = scattered_samples(random, 64, 0.005, true);
+  const auto quantile = quantile_boxes(samples, std::vector{63.0 / 64, 0.1});
+  ASSERT_EQ(held_share({.boxes = samples}, quantile[0].box), 1.0);
+  for (const ConfidenceBox& box : confidence_boxes({.boxes = samples}, std::vector{0.5, 0.9})) {
+    EXPECT_TRUE(equal_bytes(box.box, quantile[0].box));
+  }
+  EXPECT_LT(volume(quantile[0].box), volume(quantile[1].box));
 }
 
 TEST(ConfidenceBox, HoldsItsShareOfSamplesWhoseFacesAreAllUnsure) {

@@ -80,7 +80,7 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               about(.865, .02),
               about(.26, .06),
               .44f,
-              about(.93, .01),
+              about(.90, .015),
               1.0f,
               .285f};
     case ModelKind::kSedan:
@@ -104,7 +104,7 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               about(.865, .02),
               about(.29, .05),
               .43f,
-              about(.94, .01),
+              about(.895, .02),
               1.0f,
               .31f};
     case ModelKind::kSuv:
@@ -116,7 +116,7 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               about(1.02, .02),
               about(.27, .05),
               .41f,
-              about(.93, .01),
+              about(.88, .02),
               1.0f,
               .36f};
     case ModelKind::kMinivan:
@@ -128,7 +128,7 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               about(.96, .02),
               about(.21, .06),
               .37f,
-              about(.94, .01),
+              about(.895, .02),
               1.0f,
               .31f};
     case ModelKind::kPanelVan:
@@ -164,28 +164,67 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               about(.86, .02),
               about(.27, .06),
               .43f,
-              about(.92, .015),
+              about(.865, .02),
               1.0f,
               .30f};
   }
 }
 
+/// The foremost part of a car is the lip of its bumper, the rearmost the bumper's middle; both run
+/// back towards the corners by as much as the scans of real cars show within their boxes.
+std::vector<Station> front_of(const CarShape& car) {
+  const auto x = [&](float metres) { return 0.5f * car.length - metres; };
+  const float half = 0.5f * car.width, cowl = car.cowl * car.length;
+  constexpr Material kPaint = Material::kPaintLight;
+  return {{x(0), car.bottom + .08f, car.bottom + .11f, car.bottom + .12f, .22f * half, .20f * half,
+           kPaint, kPaint},
+          {x(.05f), car.bottom + .05f, car.bottom + .16f, car.bottom + .17f, .42f * half,
+           .38f * half, kPaint, kPaint},
+          {x(.10f), car.bottom + .04f, .56f * car.bonnet, .58f * car.bonnet, .54f * half,
+           .45f * half, kPaint, kPaint},
+          {x(.21f), car.bottom + .02f, .74f * car.bonnet, .76f * car.bonnet, .74f * half,
+           .64f * half, kPaint, kPaint},
+          {x(std::min(.40f, .55f * cowl)), car.bottom, car.bonnet - .10f, car.bonnet - .06f,
+           .91f * half, .77f * half, kPaint, kPaint},
+          {x(std::min(.65f, .80f * cowl)), car.bottom, car.bonnet - .05f, car.bonnet, half,
+           .84f * half, kPaint, kPaint}};
+}
+
+/// From behind the roof, or the boot's deck, whose end stands `depth` before the car's and is `top`
+/// high.
+void add_rear(std::vector<Station>& list, const CarShape& car, float depth, float top,
+              Material cover) {
+  const auto x = [&](float metres) { return metres - 0.5f * car.length; };
+  const float half = 0.5f * car.width;
+  const float edge = std::min(.13f, .6f * depth), face = std::min(.07f, .3f * depth);
+  constexpr Material kPaint = Material::kPaintLight;
+  if (depth > .36f) {
+    const float share = (.30f - edge) / (depth - edge);
+    list.push_back({x(.30f), car.bottom, car.shoulder - .01f,
+                    car.shoulder + .03f + share * (top - car.shoulder - .03f), .95f * half,
+                    .70f * half, kPaint, cover});
+  }
+  list.push_back({x(edge), car.bottom + .02f, car.shoulder - .03f, car.shoulder + .03f, .84f * half,
+                  .70f * half, kPaint, kPaint});
+  list.push_back({x(face), car.bottom + .05f, .68f * car.shoulder, .70f * car.shoulder, .66f * half,
+                  .58f * half, kPaint, kPaint});
+  list.push_back({x(.4f * face), .46f * car.shoulder, .62f * car.shoulder, .63f * car.shoulder,
+                  .50f * half, .45f * half, kPaint, kPaint});
+  list.push_back({x(0), .52f * car.shoulder, .56f * car.shoulder, .57f * car.shoulder, .25f * half,
+                  .22f * half, kPaint, kPaint});
+}
+
 std::vector<Station> stations_of(const CarShape& car, bool side_windows, bool rear_window) {
   const auto x = [&](float share) { return car.length * (0.5f - share); };
-  const float half = 0.5f * car.width, roof = car.height - 0.045f;
-  const float nose = 0.72f * car.bonnet, roof_half = 0.70f * half;
+  const float half = 0.5f * car.width, roof = car.height - 0.045f, roof_half = 0.70f * half;
   const Material window = side_windows ? Material::kGlass : Material::kPaintLight;
   const Material rear = rear_window ? Material::kGlass : Material::kPaintLight;
   constexpr Material kPaint = Material::kPaintLight;
-  std::vector<Station> list = {
-      {x(0), car.bottom + .09f, nose - .10f, nose - .08f, .70f * half, .60f * half, kPaint, kPaint},
-      {x(.012f), car.bottom + .02f, nose, nose + .02f, .86f * half, .74f * half, kPaint, kPaint},
-      {x(.05f), car.bottom, car.bonnet - .09f, car.bonnet - .06f, .965f * half, .82f * half, kPaint,
-       kPaint},
-      {x(.13f), car.bottom, car.bonnet - .05f, car.bonnet, half, .84f * half, kPaint, kPaint},
-      {x(car.cowl), car.bottom, car.shoulder - .03f, car.bonnet + .07f, half, .84f * half, window,
-       Material::kGlass},
-      {x(car.roof_front), car.bottom, car.shoulder, roof - .03f, half, roof_half, window, kPaint}};
+  std::vector<Station> list = front_of(car);
+  list.push_back({x(car.cowl), car.bottom, car.shoulder - .03f, car.bonnet + .07f, half,
+                  .84f * half, window, Material::kGlass});
+  list.push_back(
+      {x(car.roof_front), car.bottom, car.shoulder, roof - .03f, half, roof_half, window, kPaint});
   const float first = car.roof_front, last = car.roof_rear;
   const auto pillar = [&](float share) {
     list.push_back(
@@ -202,14 +241,10 @@ std::vector<Station> stations_of(const CarShape& car, bool side_windows, bool re
   if (car.deck < 1.0f) {
     list.push_back({x(car.deck), car.bottom, car.shoulder, car.shoulder + .06f, half, .82f * half,
                     kPaint, kPaint});
-    list.push_back({x(.975f), car.bottom + .02f, car.shoulder - .05f, car.shoulder + .03f,
-                    .89f * half, .76f * half, kPaint, kPaint});
+    add_rear(list, car, (1 - car.deck) * car.length, car.shoulder + .06f, kPaint);
   } else {
-    list.push_back({x(std::max(.975f, last + .005f)), car.bottom + .02f, car.shoulder - .02f,
-                    car.shoulder + .04f, .89f * half, .74f * half, kPaint, kPaint});
+    add_rear(list, car, (1 - last) * car.length, roof - .05f, rear);
   }
-  list.push_back({x(1.0f), car.bottom + .08f, .52f * car.shoulder, .54f * car.shoulder + .02f,
-                  .74f * half, .66f * half, kPaint, kPaint});
   return list;
 }
 
@@ -217,17 +252,17 @@ void add_lamps_and_plates(MeshBuilder& body, const CarShape& car) {
   const float front = 0.5f * car.length, half = 0.5f * car.width;
   for (const float sign : {-1.0f, 1.0f}) {
     const float y = sign * 0.74f * half;
-    body.block({front - .16f, y - .14f, .70f * car.bonnet},
-               {front - .018f * car.length, y + .14f, .84f * car.bonnet}, Material::kMetal);
-    body.block({-front + .006f * car.length, y - .08f, .66f * car.shoulder},
-               {-front + .15f, y + .08f, .90f * car.shoulder}, Material::kRetroreflector);
-    body.block({-front + .004f, y - .05f, .48f * car.shoulder},
-               {-front + .08f, y + .05f, .53f * car.shoulder}, Material::kRetroreflector);
+    body.block({front - .30f, y - .14f, .70f * car.bonnet},
+               {front - .19f, y + .14f, .84f * car.bonnet}, Material::kMetal);
+    body.block({-front + .10f, y - .08f, .66f * car.shoulder},
+               {-front + .22f, y + .08f, .90f * car.shoulder}, Material::kRetroreflector);
+    body.block({-front + .095f, y - .05f, .48f * car.shoulder},
+               {-front + .17f, y + .05f, .53f * car.shoulder}, Material::kRetroreflector);
   }
-  body.block({front - .06f, -.26f, .42f * car.bonnet}, {front, .26f, .42f * car.bonnet + .11f},
-             Material::kRetroreflector);
-  body.block({-front, -.26f, .56f * car.shoulder},
-             {-front + .06f, .26f, .56f * car.shoulder + .11f}, Material::kRetroreflector);
+  body.block({front - .15f, -.26f, .42f * car.bonnet},
+             {front - .085f, .26f, .42f * car.bonnet + .11f}, Material::kRetroreflector);
+  body.block({-front + .03f, -.26f, .56f * car.shoulder},
+             {-front + .09f, .26f, .56f * car.shoulder + .11f}, Material::kRetroreflector);
 }
 
 void add_mirrors(MeshBuilder& overhang, const CarShape& car) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace arbox::simulation {
 namespace {
 
@@ -21,6 +23,31 @@ TEST(Models, EveryShapeTouchesItsBoxOnAllSidesAndOnlyMirrorsLeaveIt) {
         EXPECT_GE(bounds.max()[axis], 0.5 * shape.size[axis] - 1e-3);
         EXPECT_GE(bounds.min()[axis], -0.5 * shape.size[axis] - slack - 1e-3);
         EXPECT_LE(bounds.min()[axis], -0.5 * shape.size[axis] + 1e-3);
+      }
+    }
+  }
+}
+
+// In real scans of cars seen from an end, a quarter of the returns of the bumper's corners lies 0.2
+// m and more behind the label's face (docs/simulation.md).
+TEST(Models, BumpersOfCarsRunBackTowardsTheirCorners) {
+  for (const auto kind : {ModelKind::kSmallCar, ModelKind::kHatchback, ModelKind::kSedan,
+                          ModelKind::kEstate, ModelKind::kSuv, ModelKind::kMinivan}) {
+    for (int variant = 0; variant < variant_count(kind); ++variant) {
+      SCOPED_TRACE(testing::Message() << static_cast<int>(kind) << " variant " << variant);
+      const Model& car = model(kind, variant);
+      for (const Eigen::Vector3f& vertex : car.mesh->vertices) {
+        const double depth = 0.5 * car.size.x() - std::abs(vertex.x());
+        const double side = std::abs(vertex.y()) / (0.5 * car.size.y());
+        if (side > 0.3) {
+          EXPECT_GT(depth, 0.02) << vertex.transpose();
+        }
+        if (side > 0.7) {
+          EXPECT_GT(depth, 0.09) << vertex.transpose();
+        }
+        if (side > 0.9) {
+          EXPECT_GT(depth, 0.15) << vertex.transpose();
+        }
       }
     }
   }

@@ -76,10 +76,10 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               1.60f,
               about(1.49, .02),
               .19f,
-              about(.86, .03),
-              about(.865, .02),
+              about(.93, .03),
+              about(.93, .02),
               about(.26, .06),
-              .44f,
+              .455f,
               about(.90, .015),
               1.0f,
               .285f};
@@ -88,10 +88,10 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               1.72f,
               about(1.43, .02),
               .18f,
-              about(.82, .03),
-              about(.86, .02),
+              about(.89, .03),
+              about(.92, .02),
               about(.30, .05),
-              .45f,
+              .46f,
               about(.74, .02),
               .87f,
               .31f};
@@ -100,10 +100,10 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               1.73f,
               about(1.46, .02),
               .18f,
-              about(.83, .03),
-              about(.865, .02),
+              about(.90, .03),
+              about(.93, .02),
               about(.29, .05),
-              .43f,
+              .445f,
               about(.895, .02),
               1.0f,
               .31f};
@@ -112,10 +112,10 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               1.80f,
               about(1.70, .02),
               .27f,
-              about(1.02, .03),
-              about(1.02, .02),
+              about(1.06, .03),
+              about(1.07, .02),
               about(.27, .05),
-              .41f,
+              .43f,
               about(.88, .02),
               1.0f,
               .36f};
@@ -124,10 +124,10 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               1.74f,
               about(1.66, .02),
               .20f,
-              about(.95, .03),
-              about(.96, .02),
+              about(1.00, .03),
+              about(1.01, .02),
               about(.21, .06),
-              .37f,
+              .385f,
               about(.895, .02),
               1.0f,
               .31f};
@@ -160,10 +160,10 @@ CarShape shape_of(ModelKind kind, Dice& dice) {
               1.67f,
               about(1.47, .02),
               .18f,
-              about(.84, .03),
-              about(.86, .02),
+              about(.91, .03),
+              about(.925, .02),
               about(.27, .06),
-              .43f,
+              .45f,
               about(.865, .02),
               1.0f,
               .30f};
@@ -180,13 +180,13 @@ std::vector<Station> front_of(const CarShape& car) {
            kPaint, kPaint},
           {x(.05f), car.bottom + .05f, car.bottom + .16f, car.bottom + .17f, .42f * half,
            .38f * half, kPaint, kPaint},
-          {x(.10f), car.bottom + .04f, .56f * car.bonnet, .58f * car.bonnet, .54f * half,
+          {x(.10f), car.bottom + .04f, .52f * car.bonnet, .54f * car.bonnet, .54f * half,
            .45f * half, kPaint, kPaint},
-          {x(.21f), car.bottom + .02f, .74f * car.bonnet, .76f * car.bonnet, .74f * half,
+          {x(.21f), car.bottom + .02f, .66f * car.bonnet, .68f * car.bonnet, .74f * half,
            .64f * half, kPaint, kPaint},
-          {x(std::min(.40f, .55f * cowl)), car.bottom, car.bonnet - .10f, car.bonnet - .06f,
+          {x(std::min(.40f, .55f * cowl)), car.bottom, car.bonnet - .20f, car.bonnet - .16f,
            .91f * half, .77f * half, kPaint, kPaint},
-          {x(std::min(.65f, .80f * cowl)), car.bottom, car.bonnet - .05f, car.bonnet, half,
+          {x(std::min(.65f, .80f * cowl)), car.bottom, car.bonnet - .10f, car.bonnet - .06f, half,
            .84f * half, kPaint, kPaint}};
 }
 
@@ -196,16 +196,16 @@ void add_rear(std::vector<Station>& list, const CarShape& car, float depth, floa
               Material cover) {
   const auto x = [&](float metres) { return metres - 0.5f * car.length; };
   const float half = 0.5f * car.width;
+  const float sill = car.shoulder + std::min(.08f, .5f * (top - car.shoulder));
   const float edge = std::min(.13f, .6f * depth), face = std::min(.07f, .3f * depth);
   constexpr Material kPaint = Material::kPaintLight;
   if (depth > .36f) {
     const float share = (.30f - edge) / (depth - edge);
-    list.push_back({x(.30f), car.bottom, car.shoulder - .01f,
-                    car.shoulder + .03f + share * (top - car.shoulder - .03f), .95f * half,
-                    .70f * half, kPaint, cover});
+    list.push_back({x(.30f), car.bottom, car.shoulder - .01f, sill + share * (top - sill),
+                    .95f * half, .70f * half, kPaint, cover});
   }
-  list.push_back({x(edge), car.bottom + .02f, car.shoulder - .03f, car.shoulder + .03f, .84f * half,
-                  .70f * half, kPaint, kPaint});
+  list.push_back({x(edge), car.bottom + .02f, car.shoulder - .03f, sill, .84f * half, .70f * half,
+                  kPaint, kPaint});
   list.push_back({x(face), car.bottom + .05f, .68f * car.shoulder, .70f * car.shoulder, .66f * half,
                   .58f * half, kPaint, kPaint});
   list.push_back({x(.4f * face), .46f * car.shoulder, .62f * car.shoulder, .63f * car.shoulder,
@@ -224,7 +224,7 @@ std::vector<Station> stations_of(const CarShape& car, bool side_windows, bool re
   list.push_back({x(car.cowl), car.bottom, car.shoulder - .03f, car.bonnet + .07f, half,
                   .84f * half, window, Material::kGlass});
   list.push_back(
-      {x(car.roof_front), car.bottom, car.shoulder, roof - .03f, half, roof_half, window, kPaint});
+      {x(car.roof_front), car.bottom, car.shoulder, roof - .13f, half, roof_half, window, kPaint});
   const float first = car.roof_front, last = car.roof_rear;
   const auto pillar = [&](float share) {
     list.push_back(
@@ -235,15 +235,15 @@ std::vector<Station> stations_of(const CarShape& car, bool side_windows, bool re
   pillar(first + .38f * (last - first));
   pillar(first + .78f * (last - first));
   list.push_back(
-      {x(last - .04f), car.bottom, car.shoulder, roof - .01f, half, roof_half, kPaint, kPaint});
-  list.push_back({x(last), car.bottom, car.shoulder + .01f, roof - .05f, half, .97f * roof_half,
+      {x(last - .04f), car.bottom, car.shoulder, roof - .08f, half, roof_half, kPaint, kPaint});
+  list.push_back({x(last), car.bottom, car.shoulder + .01f, roof - .13f, half, .97f * roof_half,
                   kPaint, rear});
   if (car.deck < 1.0f) {
     list.push_back({x(car.deck), car.bottom, car.shoulder, car.shoulder + .06f, half, .82f * half,
                     kPaint, kPaint});
     add_rear(list, car, (1 - car.deck) * car.length, car.shoulder + .06f, kPaint);
   } else {
-    add_rear(list, car, (1 - last) * car.length, roof - .05f, rear);
+    add_rear(list, car, (1 - last) * car.length, roof - .13f, rear);
   }
   return list;
 }

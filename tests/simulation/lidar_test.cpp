@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <map>
@@ -243,6 +244,25 @@ TEST(Scan, TheOwnVehicleHidesWhatIsBehindItButInIdealScans) {
     EXPECT_EQ(wall > 60, ideal) << wall;
     EXPECT_EQ(wall == 0, !ideal) << wall;
   }
+}
+
+TEST(Scan, PanesLetPulsesThroughAndSeldomAnswer) {
+  const Scene open = walls(0.0);
+  Scene glazed = open;
+  const auto panes = std::make_shared<TriangleMesh>(*open.instances[0].mesh);
+  for (Eigen::Vector3f& vertex : panes->vertices) vertex.x() *= 0.8f;
+  panes->materials.assign(panes->materials.size(), Material::kGlass);
+  glazed.instances.push_back({.mesh = panes, .pose = Eigen::Affine3d::Identity(), .object = -1});
+  const auto count = [](const Scene& scene, double distance) {
+    const auto returns = scan_of(scene, hdl64());
+    return std::count_if(returns.begin(), returns.end(), [&](const LidarReturn& point) {
+      return std::abs(point.y) < 8.0f && std::abs(std::abs(point.x) - distance) < 0.3;
+    });
+  };
+  const double pulses = static_cast<double>(count(open, 15.0));
+  ASSERT_GT(pulses, 5000);
+  EXPECT_LT(static_cast<double>(count(glazed, 12.0)), 0.06 * pulses);
+  EXPECT_GT(static_cast<double>(count(glazed, 15.0)), 0.5 * pulses);
 }
 
 TEST(Scan, OtherScannersHaveNoOwnVehicle) {

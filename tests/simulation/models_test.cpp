@@ -53,6 +53,26 @@ TEST(Models, BumpersOfCarsRunBackTowardsTheirCorners) {
   }
 }
 
+TEST(Models, RoofsOfCarsRiseBehindTheWindscreen) {
+  for (const auto kind : {ModelKind::kSmallCar, ModelKind::kHatchback, ModelKind::kSedan,
+                          ModelKind::kEstate, ModelKind::kSuv, ModelKind::kMinivan}) {
+    for (int variant = 0; variant < variant_count(kind); ++variant) {
+      SCOPED_TRACE(testing::Message() << static_cast<int>(kind) << " variant " << variant);
+      const Model& car = model(kind, variant);
+      Eigen::Vector3f foremost(-10, 0, 0), highest(0, 0, -10);
+      for (const Eigen::Vector3f& vertex : car.mesh->vertices) {
+        if (std::abs(vertex.y()) > 1e-4f || vertex.z() < 0.30f * car.size.z()) continue;
+        if (vertex.x() > foremost.x()) foremost = vertex;
+        if (vertex.z() > highest.z()) highest = vertex;
+      }
+      EXPECT_GT(highest.z() - foremost.z(), 0.08f);
+      EXPECT_LT(highest.z() - foremost.z(), 0.25f);
+      EXPECT_GT(foremost.x() - highest.x(), 0.3f);
+      EXPECT_GT(0.5f * car.size.x() - foremost.x(), 0.33f * car.size.x());
+    }
+  }
+}
+
 TEST(Models, IndicesAndCoordinatesAreValid) {
   for (int kind = 0; kind < kModelKindCount; ++kind) {
     const TriangleMesh& mesh = *model(static_cast<ModelKind>(kind), 0).mesh;

@@ -14,8 +14,8 @@ const MaterialProperties& properties(Material material) {
       {.reflectivity = 0.33, .spread = 0.07},                               // bark
       {.reflectivity = 0.37, .spread = 0.10},                               // foliage
       {.reflectivity = 0.33, .spread = 0.15, .loss = 0.05},                 // metal
-      {.reflectivity = 0.64, .spread = 0.10, .loss = 0.16, .gloss = 0.87},  // light paint
-      {.reflectivity = 0.10, .spread = 0.05, .loss = 0.20, .gloss = 0.90},  // dark paint
+      {.reflectivity = 0.70, .spread = 2.20, .loss = 0.20, .gloss = 0.87},  // light paint
+      {.reflectivity = 0.12, .spread = 0.90, .loss = 0.24, .gloss = 0.90},  // dark paint
       {.reflectivity = 0.03, .spread = 0.02, .transmission = 0.70, .loss = 0.26, .gloss = 0.8},
       {.reflectivity = 0.06, .spread = 0.03, .loss = 0.05},                // rubber
       {.reflectivity = 0.20, .spread = 0.12, .loss = 0.03, .gloss = 0.5},  // plastic

@@ -33,8 +33,9 @@ inline constexpr int kMaterialCount = static_cast<int>(Material::kRetroreflector
 
 /// How a material answers a pulse of 905 nm.
 struct MaterialProperties {
-  /// Diffuse reflectivity as the sensor reports it at normal incidence: mean and spread over
-  /// instances, in units of intensity (0..1).
+  /// Diffuse reflectivity as the sensor reports it at normal incidence, in units of intensity
+  /// (0..1): its mean, and its spread, of which 0.35 is the standard deviation from pulse to pulse.
+  /// Paint glitters: flakes, edges and trim.
   double reflectivity = 0.3, spread = 0.08;
   /// Probability that the pulse goes on through the surface.
   double transmission = 0.0;

@@ -265,6 +265,27 @@ TEST(Scan, PanesLetPulsesThroughAndSeldomAnswer) {
   EXPECT_GT(static_cast<double>(count(glazed, 15.0)), 0.5 * pulses);
 }
 
+TEST(Scan, PaintGlittersAndWallsDoNot) {
+  const auto deviation = [](Material material) {
+    Scene scene = walls(0.0);
+    const auto mesh = std::make_shared<TriangleMesh>(*scene.instances[0].mesh);
+    mesh->materials.assign(mesh->materials.size(), material);
+    scene.instances[0].mesh = mesh;
+    double count = 0, sum = 0, squares = 0;
+    for (const LidarReturn& point : scan_of(scene, hdl64())) {
+      if (std::abs(point.y) > 4.0f || std::abs(point.x) < 14.5f) continue;
+      count += 1;
+      sum += point.intensity;
+      squares += static_cast<double>(point.intensity) * point.intensity;
+    }
+    EXPECT_GT(count, 2000);
+    return std::sqrt(squares / count - std::pow(sum / count, 2));
+  };
+  EXPECT_GT(deviation(Material::kPaintLight), 0.25);
+  EXPECT_GT(deviation(Material::kPaintDark), 0.1);
+  EXPECT_LT(deviation(Material::kPlaster), 0.15);
+}
+
 TEST(Scan, OtherScannersHaveNoOwnVehicle) {
   EXPECT_TRUE(scan_of(Scene{}, spinning_lidar(16, -0.26, 0.26, 1800)).empty());
 }

@@ -57,7 +57,7 @@ PvRcnnTraineeOptions all_heads() {
 }
 
 TEST(Learning, AFewScansAreOverfittedByEveryHead) {
-  TrainOptions options{.steps = 500, .batch_size = 2, .seed = 5, .checkpoint_seconds = 0};
+  TrainOptions options{.steps = 600, .batch_size = 2, .seed = 5, .checkpoint_seconds = 0};
   options.schedule.learning_rate = 0.01;
   options.threads = 1;
   at::manual_seed(options.seed);

@@ -1,5 +1,7 @@
 #include "arbox/cli/benchmark_contestants.h"
 
+#include <algorithm>
+
 #include "arbox/cli/command_line.h"
 #include "arbox/cli/detector_flags.h"
 #include "arbox/cli/torch_module.h"
@@ -10,6 +12,15 @@ namespace {
 
 detectors::DetectionRequest plain_request(const OutdoorBenchmarkOptions& options) {
   return {.score = options.score, .uncertainty = false};
+}
+
+/// The quantiles asked for, and those that the paper ranks by uncertainty.
+std::vector<double> sought_quantiles(const OutdoorBenchmarkOptions& options) {
+  std::vector<double> quantiles = options.quantiles;
+  for (const double q : {0.2, 0.5, 0.8}) {
+    if (std::find(quantiles.begin(), quantiles.end(), q) == quantiles.end()) quantiles.push_back(q);
+  }
+  return quantiles;
 }
 
 Contestant model_contestant(const OutdoorBenchmarkOptions& options, const std::string& name,
@@ -56,7 +67,7 @@ std::vector<Contestant> contestants(const OutdoorBenchmarkOptions& options, bool
   const detectors::DetectionRequest plain = plain_request(options);
   detectors::DetectionRequest sampled = plain;
   if (!alone) {
-    sampled.quantiles = options.quantiles;
+    sampled.quantiles = sought_quantiles(options);
     sampled.samples = sampled.uncertainty = true;
   }
   std::vector<Contestant> result;

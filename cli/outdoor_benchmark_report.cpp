@@ -87,6 +87,29 @@ std::string uncertainty_table(const OutdoorBenchmark& benchmark) {
   return result;
 }
 
+/// What the uncertainty tells of each detector's own boxes and of its quantile boxes.
+std::string ranking_table(const OutdoorBenchmark& benchmark) {
+  std::string result =
+      header({"uncertainty of", "boxes", "objects", "wrong", "mean IoU", "ROC AUC", "Spearman"});
+  const auto number = [](const std::optional<double>& value) {
+    return value ? text(" %.3f |", *value) : std::string(" - |");
+  };
+  const auto add = [&](const std::string& name, const std::string& boxes,
+                       const evaluation::RankedBoxes& ranked) {
+    result += "| " + name + " | " + boxes +
+              text(" | %zu | %zu | %.3f |", ranked.boxes, ranked.wrong, ranked.mean_iou) +
+              number(ranked.roc_auc) + number(ranked.spearman) + "\n";
+  };
+  for (const NamedUncertainty& one : benchmark.uncertainty) {
+    const auto& all = one.report.all;
+    add(one.name, "its own", {all.found, all.wrong, all.mean_iou, all.roc_auc, all.spearman});
+    for (const evaluation::BoxLevel& level : all.quantile_boxes) {
+      add(one.name, text("q %.2f", level.level), level);
+    }
+  }
+  return result;
+}
+
 /// Bars of the boxes of a detector; beside those of a head the pointwise ones.
 drawing::Panel precision_panel(const OutdoorBenchmark& benchmark, const std::string& detector) {
   drawing::Panel panel;
@@ -156,6 +179,8 @@ std::string to_markdown(const OutdoorBenchmark& benchmark) {
   result += text("\nFound objects (score from %g), %s:\n\n", options.found_score,
                  options.all_round ? "all directions" : "in the camera's view") +
             uncertainty_table(benchmark) +
+            "\nWhat the uncertainty tells of boxes, as in the paper's table of its measures:\n\n" +
+            ranking_table(benchmark) +
             text("\nLargest memory of the whole run: %.0f MB.\n", benchmark.peak_memory);
   return result;
 }

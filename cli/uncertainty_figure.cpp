@@ -7,7 +7,7 @@
 namespace arbox::cli {
 namespace {
 
-using evaluation::PromisedContainment;
+using evaluation::BoxLevel;
 using evaluation::UncertaintyReport;
 
 drawing::Panel promise_panel(const std::string& title) {
@@ -19,13 +19,13 @@ drawing::Panel promise_panel(const std::string& title) {
   return panel;
 }
 
-drawing::Series promise_line(const std::string& name, std::vector<PromisedContainment> levels) {
+drawing::Series promise_line(const std::string& name, std::vector<BoxLevel> levels) {
   std::sort(levels.begin(), levels.end(),
             [](const auto& first, const auto& second) { return first.promised < second.promised; });
   drawing::Series series;
   series.name = name;
   series.markers = true;
-  for (const PromisedContainment& level : levels) {
+  for (const BoxLevel& level : levels) {
     const auto hits =
         static_cast<std::size_t>(level.contained * static_cast<double>(level.boxes) + 0.5);
     const auto interval = evaluation::share_interval(hits, level.boxes);

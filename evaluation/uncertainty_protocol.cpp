@@ -28,45 +28,74 @@ void require_options(const UncertaintyOptions& options) {
   require_share(options.wrong_iou, "wrong_iou");
 }
 
-/// Boxes of one level and those of them that contain their object.
-struct Contained {
-  std::size_t boxes = 0, contained = 0;
+/// Boxes of one kind, and the uncertainty of their detections.
+struct Ranking {
+  std::size_t boxes = 0, wrong = 0;
+  double iou = 0.0;
+  std::vector<double> uncertainty, uncertain_iou;
+  std::vector<bool> uncertain_wrong;
+
+  void add(double overlap, const std::optional<double>& of_detection,
+           const UncertaintyOptions& options) {
+    const bool is_wrong = overlap < options.wrong_iou;
+    ++boxes;
+    iou += overlap;
+    wrong += is_wrong ? 1 : 0;
+    if (!of_detection) return;
+    uncertainty.push_back(*of_detection);
+    uncertain_iou.push_back(overlap);
+    uncertain_wrong.push_back(is_wrong);
+  }
+
+  RankedBoxes figures() const {
+    return {.boxes = boxes,
+            .wrong = wrong,
+            .mean_iou = iou / static_cast<double>(std::max<std::size_t>(boxes, 1)),
+            .roc_auc = roc_auc(uncertainty, uncertain_wrong),
+            .spearman = spearman_correlation(uncertainty, uncertain_iou)};
+  }
 };
+
+/// Boxes of one level, and how many of them contain their object.
+struct Level {
+  Ranking ranking;
+  std::size_t contained = 0;
+
+  void add(const geometry::Box& box, const geometry::Box& object,
+           const std::optional<double>& uncertainty, const UncertaintyOptions& options) {
+    ranking.add(geometry::overlap(box, object), uncertainty, options);
+    const double covered = geometry::overlap(box, object, {.measure = geometry::Overlap::kIog});
+    contained += covered > options.min_iog ? 1 : 0;
+  }
+};
+
+void require_finite(const std::optional<double>& uncertainty) {
+  if (!uncertainty || std::isfinite(*uncertainty)) return;
+  throw InvalidArgument("evaluate_uncertainty: expected a finite uncertainty, got " +
+                        std::to_string(*uncertainty));
+}
 
 /// What the figures of a class are made of.
 struct Sums {
-  std::size_t objects = 0, found = 0, wrong = 0;
-  double iou = 0.0, iog = 0.0, f1 = 0.0;
-  std::map<double, Contained> quantile, sampled, confidence;
-  std::vector<double> uncertainty, uncertain_iou;
-  std::vector<bool> uncertain_wrong;
+  std::size_t objects = 0;
+  double iog = 0.0, f1 = 0.0;
+  Ranking own;
+  std::map<double, Level> quantile, sampled, confidence;
 
   void add(const Detection& detection, const Detection& object, const BoxError& error,
            std::span<const geometry::ConfidenceBox> sample_boxes,
            const UncertaintyOptions& options) {
-    ++found;
-    iou += error.iou;
+    const auto& uncertainty = detection.uncertainty;
+    require_finite(uncertainty);
+    own.add(error.iou, uncertainty, options);
     iog += error.iog;
     f1 += error.f1;
-    const bool is_wrong = error.iou < options.wrong_iou;
-    wrong += is_wrong ? 1 : 0;
-    const auto count = [&](Contained& level, const geometry::Box& box) {
-      ++level.boxes;
-      const double covered =
-          geometry::overlap(box, object.box, {.measure = geometry::Overlap::kIog});
-      level.contained += covered > options.min_iog ? 1 : 0;
+    const auto add_to = [&](Level& level, const geometry::Box& box) {
+      level.add(box, object.box, uncertainty, options);
     };
-    for (const auto& box : detection.quantile_boxes) count(quantile[box.q], box.box);
-    for (const auto& box : detection.confidence_boxes) count(confidence[box.p], box.box);
-    for (const auto& box : sample_boxes) count(sampled[box.p], box.box);
-    if (!detection.uncertainty) return;
-    if (!std::isfinite(*detection.uncertainty)) {
-      throw InvalidArgument("evaluate_uncertainty: expected a finite uncertainty, got " +
-                            std::to_string(*detection.uncertainty));
-    }
-    uncertainty.push_back(*detection.uncertainty);
-    uncertain_iou.push_back(error.iou);
-    uncertain_wrong.push_back(is_wrong);
+    for (const auto& box : detection.quantile_boxes) add_to(quantile[box.q], box.box);
+    for (const auto& box : detection.confidence_boxes) add_to(confidence[box.p], box.box);
+    for (const auto& box : sample_boxes) add_to(sampled[box.p], box.box);
   }
 };
 
@@ -76,36 +105,36 @@ std::vector<geometry::ConfidenceBox> sample_boxes(const Detection& detection,
   return geometry::confidence_boxes({.boxes = detection.samples}, options.sample_confidences);
 }
 
-std::vector<PromisedContainment> promises(const std::map<double, Contained>& levels,
-                                          bool quantiles) {
-  std::vector<PromisedContainment> result;
-  for (const auto& [level, count] : levels) {
-    result.push_back(
-        {.level = level,
-         .promised = quantiles ? 1.0 - level : level,
-         .contained = static_cast<double>(count.contained) / static_cast<double>(count.boxes),
-         .boxes = count.boxes});
+std::vector<BoxLevel> box_levels(const std::map<double, Level>& levels, bool quantiles) {
+  std::vector<BoxLevel> result;
+  for (const auto& [level, sums] : levels) {
+    const double boxes = static_cast<double>(sums.ranking.boxes);
+    BoxLevel& figures = result.emplace_back(BoxLevel{sums.ranking.figures()});
+    figures.level = level;
+    figures.promised = quantiles ? 1.0 - level : level;
+    figures.contained = static_cast<double>(sums.contained) / boxes;
   }
   return result;
 }
 
 UncertaintyFigures figures_of(const std::string& label, const Sums& sums) {
+  const RankedBoxes own = sums.own.figures();
   UncertaintyFigures figures;
   figures.label = label;
   figures.objects = sums.objects;
-  figures.found = sums.found;
-  figures.wrong = sums.wrong;
-  const auto count = static_cast<double>(std::max<std::size_t>(sums.found, 1));
-  figures.mean_iou = sums.iou / count;
+  figures.found = own.boxes;
+  figures.wrong = own.wrong;
+  const auto count = static_cast<double>(std::max<std::size_t>(own.boxes, 1));
+  figures.mean_iou = own.mean_iou;
   figures.mean_iog = sums.iog / count;
   figures.mean_f1 = sums.f1 / count;
   const double both = figures.mean_iou + figures.mean_iog;
   figures.f1_of_means = both > 0 ? 2.0 * figures.mean_iou * figures.mean_iog / both : 0.0;
-  figures.quantile_boxes = promises(sums.quantile, true);
-  figures.sample_boxes = promises(sums.sampled, false);
-  figures.confidence_boxes = promises(sums.confidence, false);
-  figures.roc_auc = roc_auc(sums.uncertainty, sums.uncertain_wrong);
-  figures.spearman = spearman_correlation(sums.uncertainty, sums.uncertain_iou);
+  figures.quantile_boxes = box_levels(sums.quantile, true);
+  figures.sample_boxes = box_levels(sums.sampled, false);
+  figures.confidence_boxes = box_levels(sums.confidence, false);
+  figures.roc_auc = own.roc_auc;
+  figures.spearman = own.spearman;
   return figures;
 }
 

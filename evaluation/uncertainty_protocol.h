@@ -41,16 +41,28 @@ struct UncertaintyOptions {
   double wrong_iou = 0.25;
 };
 
-/// Promise and fact of all boxes of one kind, for example all quantile boxes of q = 0.2.
-struct PromisedContainment {
+/// Boxes and what the uncertainty of their detections tells of them.
+struct RankedBoxes {
+  /// Objects that have such a box, and how many of these boxes are wrong.
+  std::size_t boxes = 0, wrong = 0;
+  /// Over the boxes; 0 without any.
+  double mean_iou = 0.0;
+  /// Over the boxes whose detection has an uncertainty: area under the ROC curve of telling wrong
+  /// boxes, and rank correlation with the IoU (the nearer to -1 the better). Empty where they are
+  /// not defined, such as without a wrong box.
+  std::optional<double> roc_auc, spearman;
+};
+
+/// Promise and fact of all boxes of one kind, for example all quantile boxes of q = 0.2. The paper
+/// ranks quantile boxes: its table of uncertainty measures has ROC AUC and rank correlation of
+/// U(0.2, 0.8) with the boxes of q = 0.2, 0.5 and 0.8 as the prediction (section 5.3).
+struct BoxLevel : RankedBoxes {
   /// q of quantile boxes, p of confidence boxes.
   double level = 0.0;
   /// 1 - q or p.
   double promised = 0.0;
   /// Share of the boxes whose IoG is above min_iog.
   double contained = 0.0;
-  /// Objects that have such a box.
-  std::size_t boxes = 0;
 };
 
 /// An object that was found.
@@ -70,10 +82,8 @@ struct UncertaintyFigures {
   /// averaged over the objects.
   double mean_iou = 0.0, mean_iog = 0.0, f1_of_means = 0.0, mean_f1 = 0.0;
   /// By level, rising.
-  std::vector<PromisedContainment> quantile_boxes, sample_boxes, confidence_boxes;
-  /// Over the found objects that have an uncertainty: area under the ROC curve of telling wrong
-  /// boxes, and rank correlation with the IoU (the nearer to -1 the better). Empty where they are
-  /// not defined, such as without a wrong box.
+  std::vector<BoxLevel> quantile_boxes, sample_boxes, confidence_boxes;
+  /// Of the detections' own boxes, as in RankedBoxes.
   std::optional<double> roc_auc, spearman;
 };
 
@@ -109,9 +119,9 @@ ShareInterval share_interval(std::size_t hits, std::size_t trials);
 /// {"protocol": "uncertainty", "scans": 2, "min_iog": 0.95, "wrong_iou": 0.25, "max_distance": 2.0,
 ///  "min_score": 0.3, "classes": {"Car": {"objects": 9, "found": 8, "wrong": 1, "mean_iou": ...,
 ///  "mean_iog": ..., "f1_of_means": ..., "mean_f1": ..., "roc_auc": ..., "spearman": ...,
-///  "quantile_boxes": [{"q": 0.1, "promised": 0.9, "contained": 0.88, "boxes": 8}],
-///  "sample_boxes": [{"p": 0.9, "promised": 0.9, "contained": 0.89, "boxes": 8}],
-///  "confidence_boxes": [{"p": 0.9, "promised": 0.9, "contained": 0.91, "boxes": 8}]}},
+///  "quantile_boxes": [{"q": 0.1, "promised": 0.9, "contained": 0.88, "boxes": 8, "wrong": 1,
+///  "mean_iou": ..., "roc_auc": ..., "spearman": ...}],
+///  "sample_boxes": [{"p": 0.9, ...}], "confidence_boxes": [{"p": 0.9, ...}]}},
 ///  "all": {...}}; figures that are not defined are null.
 std::string to_json(const UncertaintyReport& report);
 

@@ -18,18 +18,22 @@ std::string line(const char* format, Values... values) {
   return text.data();
 }
 
-Json levels_json(const std::vector<PromisedContainment>& levels, const char* name) {
+Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+Json levels_json(const std::vector<BoxLevel>& levels, const char* name) {
   Json result = Json::array();
-  for (const PromisedContainment& one : levels) {
+  for (const BoxLevel& one : levels) {
     result.push_back({{name, one.level},
                       {"promised", one.promised},
                       {"contained", one.contained},
-                      {"boxes", one.boxes}});
+                      {"boxes", one.boxes},
+                      {"wrong", one.wrong},
+                      {"mean_iou", one.mean_iou},
+                      {"roc_auc", number_or_null(one.roc_auc)},
+                      {"spearman", number_or_null(one.spearman)}});
   }
   return result;
 }
-
-Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
 Json figures_json(const UncertaintyFigures& figures) {
   return {{"objects", figures.objects},
@@ -58,23 +62,37 @@ std::string figures_row(const UncertaintyFigures& figures) {
 }
 
 std::string levels_table(const UncertaintyReport& report, const char* title,
-                         std::vector<PromisedContainment> UncertaintyFigures::*levels) {
+                         std::vector<BoxLevel> UncertaintyFigures::*levels) {
   if ((report.all.*levels).empty()) return {};
   std::string text = line("\n%-12s promised", title);
   for (const UncertaintyFigures& figures : report.classes) {
     text += line(" %12s", figures.label.c_str());
   }
   text += line(" %12s\n", "all");
-  for (const PromisedContainment& row : report.all.*levels) {
+  for (const BoxLevel& row : report.all.*levels) {
     text += line("%-12g %8.3f", row.level, row.promised);
     for (const UncertaintyFigures& figures : report.classes) {
       const auto& list = figures.*levels;
-      const auto found =
-          std::find_if(list.begin(), list.end(),
-                       [&](const PromisedContainment& one) { return one.level == row.level; });
+      const auto found = std::find_if(list.begin(), list.end(),
+                                      [&](const BoxLevel& one) { return one.level == row.level; });
       text += found == list.end() ? line(" %12s", "-") : line(" %12.3f", found->contained);
     }
     text += line(" %12.3f\n", row.contained);
+  }
+  return text;
+}
+
+/// What the uncertainty tells of the quantile boxes, as in the paper's table of its measures.
+std::string rankings_table(const UncertaintyReport& report) {
+  const auto& rows = report.all.quantile_boxes;
+  const bool ranked =
+      std::any_of(rows.begin(), rows.end(), [](const BoxLevel& row) { return row.spearman; });
+  if (!ranked) return {};
+  std::string text =
+      line("\n%-12s %6s %6s %7s%8s%8s\n", "quantile q", "boxes", "wrong", "IoU", "ROC AUC", "r_s");
+  for (const BoxLevel& row : rows) {
+    text += line("%-12g %6zu %6zu %7.3f", row.level, row.boxes, row.wrong, row.mean_iou) +
+            number_or_dash(row.roc_auc) + number_or_dash(row.spearman) + "\n";
   }
   return text;
 }
@@ -107,7 +125,7 @@ std::string to_table(const UncertaintyReport& report) {
   text += levels_table(report, "quantile q", &UncertaintyFigures::quantile_boxes);
   text += levels_table(report, "samples p", &UncertaintyFigures::sample_boxes);
   text += levels_table(report, "confidence p", &UncertaintyFigures::confidence_boxes);
-  return text;
+  return text + rankings_table(report);
 }
 
 std::string to_json(const RecallReport& report) {

@@ -283,6 +283,7 @@ train: {steps: 3, batch_size: 1, seed: 5}
                    "1", "--output", path("results")});
     ASSERT_EQ(result.exit_code, 0) << result.errors;
     EXPECT_THAT(result.output, HasSubstr("| gaussian | q 0.20 |"));
+    EXPECT_THAT(result.output, HasSubstr("| uncertainty of | boxes |"));
     const auto report = nlohmann::json::parse(slurp(path("results") + "/benchmark.json"));
     std::set<std::string> rows;
     for (const auto& row : report.at("rows")) {
@@ -297,9 +298,14 @@ train: {steps: 3, batch_size: 1, seed: 5}
       for (const char* box : {" beam", " mean", " q 0.10", " q 0.20", " q 0.40", " q 0.50"}) {
         EXPECT_TRUE(rows.contains(head + box)) << head << box;
       }
-      EXPECT_EQ(report.at("uncertainty").at(head).at("all").at("objects"),
-                labels_in(path("streets") + "/training/label_2") +
-                    labels_in(path("streets") + "/training/label_360"));
+      EXPECT_FALSE(rows.contains(head + " q 0.80")) << "is for the ranking by uncertainty";
+      const auto& all = report.at("uncertainty").at(head).at("all");
+      const auto& last = all.at("quantile_boxes").back();
+      EXPECT_EQ(last.at("q"), 0.8);
+      EXPECT_EQ(last.at("boxes"), all.at("found"));
+      EXPECT_TRUE(last.contains("roc_auc") && last.contains("spearman"));
+      EXPECT_EQ(all.at("objects"), labels_in(path("streets") + "/training/label_2") +
+                                       labels_in(path("streets") + "/training/label_360"));
     }
     EXPECT_TRUE(rows.contains("pointwise pointwise"));
     EXPECT_TRUE(rows.contains("cluster_fit box"));

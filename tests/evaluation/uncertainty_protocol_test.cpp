@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "arbox/base/error.h"
 #include "arbox/base/random.h"
@@ -107,6 +110,51 @@ TEST(Uncertainty, RankingsAreThoseOfAllFoundObjects) {
   EXPECT_LT(*report.all.spearman, -0.7);
 }
 
+// The paper's table of uncertainty measures takes quantile boxes for the prediction.
+TEST(Uncertainty, RankingsOfQuantileBoxesAreOfTheseBoxes) {
+  const RandomStream random(8, 0, 0);
+  std::uint32_t draw = 0;
+  std::vector<UncertaintyScan> scans;
+  std::vector<double> uncertainty;
+  std::map<double, std::vector<double>> iou;
+  for (int i = 0; i < 200; ++i) {
+    UncertaintyScan scan{.detections = {car_at(0)}, .objects = {car_at(0)}};
+    Detection& detection = scan.detections[0];
+    const double spread = random.uniform(draw++);
+    detection.uncertainty = spread + 0.3 * random.uniform(draw++);
+    detection.quantile_boxes = {{.q = 0.8, .box = car_at(0, 4 - 3.5 * spread).box},
+                                {.q = 0.2, .box = car_at(0, 4 + 6 * spread).box}};
+    for (const auto& box : detection.quantile_boxes) {
+      iou[box.q].push_back(geometry::overlap(box.box, scan.objects[0].box));
+    }
+    uncertainty.push_back(*detection.uncertainty);
+    scans.push_back(std::move(scan));
+  }
+  const auto report = evaluate_uncertainty(scans, {.wrong_iou = 0.5});
+  EXPECT_FALSE(report.all.roc_auc) << "no own box is wrong";
+  ASSERT_EQ(report.all.quantile_boxes.size(), 2u);
+  for (const BoxLevel& level : report.all.quantile_boxes) {
+    const auto& of_level = iou.at(level.level);
+    std::vector<bool> wrong;
+    for (const double one : of_level) wrong.push_back(one < 0.5);
+    EXPECT_EQ(level.boxes, 200u);
+    EXPECT_EQ(level.wrong, static_cast<std::size_t>(std::count(wrong.begin(), wrong.end(), true)));
+    EXPECT_GT(level.wrong, 10u);
+    EXPECT_NEAR(level.mean_iou, std::accumulate(of_level.begin(), of_level.end(), 0.0) / 200,
+                kTiny);
+    ASSERT_TRUE(level.roc_auc && level.spearman);
+    EXPECT_NEAR(*level.roc_auc, *roc_auc(uncertainty, wrong), kTiny);
+    EXPECT_NEAR(*level.spearman, *spearman_correlation(uncertainty, of_level), kTiny);
+    EXPECT_LT(*level.spearman, -0.8);
+  }
+  const auto json = nlohmann::json::parse(to_json(report));
+  const auto& last = json.at("all").at("quantile_boxes").at(1);
+  EXPECT_EQ(last.at("q"), 0.8);
+  EXPECT_EQ(last.at("wrong"), report.all.quantile_boxes[1].wrong);
+  EXPECT_NEAR(last.at("spearman").get<double>(), *report.all.quantile_boxes[1].spearman, kTiny);
+  EXPECT_THAT(to_table(report), ::testing::ContainsRegex("quantile q +boxes +wrong"));
+}
+
 TEST(Uncertainty, ClassesScoresAndDistanceDecideWhatCounts) {
   auto scan = half_a_length_off();
   scan.objects.push_back(car_at(30));
@@ -130,6 +178,7 @@ TEST(Uncertainty, WhatIsNotDefinedIsEmpty) {
   EXPECT_TRUE(report.all.quantile_boxes.empty());
   const auto json = nlohmann::json::parse(to_json(report));
   EXPECT_TRUE(json.at("all").at("roc_auc").is_null());
+  EXPECT_THAT(to_table(report), ::testing::Not(::testing::HasSubstr("quantile q")));
   EXPECT_THAT(to_table(report), ::testing::HasSubstr("Car"));
 }
 

@@ -53,10 +53,19 @@ Contestant cluster_fit_contestant(const detectors::DetectionRequest& request) {
       .name = "cluster_fit", .box = "box", .detector = make_detector(flags), .request = request};
 }
 
-std::vector<std::string> heads_of(const OutdoorBenchmarkOptions& options) {
+/// The heads to compare, in the order asked for. Names that the model lacks are kept: loading it
+/// with them says what it has.
+std::vector<ModelHead> heads_of(const OutdoorBenchmarkOptions& options) {
   if (options.model.empty()) return {};
-  if (!options.heads.empty()) return options.heads;
-  return torch_module().model_heads(io::find_model(options.model).string());
+  const auto all = torch_module().model_heads(io::find_model(options.model).string());
+  if (options.heads.empty()) return all;
+  std::vector<ModelHead> heads;
+  for (const std::string& name : options.heads) {
+    const auto found = std::find_if(all.begin(), all.end(),
+                                    [&](const ModelHead& one) { return one.name == name; });
+    heads.push_back(found == all.end() ? ModelHead{name} : *found);
+  }
+  return heads;
 }
 
 }  // namespace
@@ -73,12 +82,17 @@ std::vector<Contestant> contestants(const OutdoorBenchmarkOptions& options, bool
   std::vector<Contestant> result;
   const auto heads = heads_of(options);
   if (!heads.empty()) {
-    result.push_back(model_contestant(options, "pointwise", heads[0], "pointwise", plain));
+    result.push_back(model_contestant(options, "pointwise", heads[0].name, "pointwise", plain));
   }
-  for (const std::string& head : heads) {
+  for (const auto& [head, has_distribution] : heads) {
     if (head == "pointwise") continue;
+    if (!has_distribution) {
+      result.push_back(model_contestant(options, head, head, "beam", plain));
+      result.back().box = "box";
+      continue;
+    }
     detectors::DetectionRequest request = sampled;
-    if (!alone && head == heads[0]) request.confidences = options.confidences;
+    if (!alone && head == heads[0].name) request.confidences = options.confidences;
     result.push_back(model_contestant(options, head, head, "beam", request));
     result.push_back(model_contestant(options, head, head, "mean", plain));
     if (!alone) continue;

@@ -54,6 +54,13 @@ struct ImportResult {
   std::vector<std::string> unused;
 };
 
+/// A head of a model file.
+struct ModelHead {
+  std::string name;
+  /// False for heads that answer with one box and nothing else.
+  bool has_distribution = true;
+};
+
 /// A model written anew.
 struct PackRequest {
   /// A model file, or the folder of a training run.
@@ -112,7 +119,7 @@ struct TorchModule {
   ImportResult (*import_openpcdet)(const ImportRequest& request);
   TrainOutcome (*train)(const TrainRequest& request);
   /// The heads of a model file, the one that answers first.
-  std::vector<std::string> (*model_heads)(const std::string& file);
+  std::vector<ModelHead> (*model_heads)(const std::string& file);
   /// Keeps the card, unless another is given, and the calibration, unless weights change.
   void (*pack)(const PackRequest& request);
 };

@@ -61,11 +61,15 @@ ImportResult import_openpcdet(const ImportRequest& request) {
           .unused = report.unused};
 }
 
-std::vector<std::string> model_heads(const std::string& file) {
-  std::vector<std::string> names;
+std::vector<ModelHead> model_heads(const std::string& file) {
+  std::vector<ModelHead> heads;
   const auto model = detectors::pv_rcnn::load_model(file);
-  for (const auto& [name, head] : model.network->heads()) names.push_back(name);
-  return names;
+  const auto nothing = model.network->no_head_input();
+  for (const auto& [name, head] : model.network->heads()) {
+    const bool has_distribution = head->forward(nothing)->measure() != heads::Measure::kNone;
+    heads.push_back({.name = name, .has_distribution = has_distribution});
+  }
+  return heads;
 }
 
 /// The network of a training run as its last checkpoint has it.

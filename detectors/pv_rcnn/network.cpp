@@ -2,6 +2,7 @@
 
 #include <ATen/TensorOperators.h>
 #include <ATen/ops/arange.h>
+#include <ATen/ops/zeros.h>
 
 #include <algorithm>
 
@@ -175,6 +176,12 @@ heads::HeadInput Network::head_input(const SecondStage& second, const at::Tensor
   input.references = {rows.slice(1, 0, 3), rows.slice(1, 6, 10), rows.slice(1, 3, 6)};
   input.condition = second.residuals;
   return input;
+}
+
+heads::HeadInput Network::no_head_input() const {
+  const at::Tensor none = at::zeros({0});
+  const at::Tensor no_boxes = at::zeros({0, kBoxNumbers});
+  return head_input({at::zeros({0, options_.regions.shared.back()}), none, no_boxes}, no_boxes);
 }
 
 }  // namespace arbox::detectors::pv_rcnn

@@ -131,6 +131,9 @@ class Network : public torch::nn::Module {
   heads::BoxHead& head() { return *head_; }
   /// Features, the regions as references, the pointwise residuals as condition.
   heads::HeadInput head_input(const SecondStage& second, const at::Tensor& regions) const;
+  /// The same of no regions: heads answer it with a distribution of size 0, which tells what they
+  /// can be asked.
+  heads::HeadInput no_head_input() const;
 
  private:
   Options options_;

@@ -2,7 +2,6 @@
 
 #include <ATen/Parallel.h>
 #include <ATen/core/grad_mode.h>
-#include <ATen/ops/zeros.h>
 
 #include <algorithm>
 #include <sstream>
@@ -62,11 +61,7 @@ void require_sizes(const std::string& label, const std::vector<geometry::KnownSi
 
 /// Why a head of the network does not know how likely sizes are; empty if it does.
 std::string why_not_conditioned(const Network& network, heads::BoxHead& head) {
-  const at::Tensor none = at::zeros({0});
-  const SecondStage nothing{at::zeros({0, network.options().regions.shared.back()}), none,
-                            at::zeros({0, kBoxNumbers})};
-  const auto input = network.head_input(nothing, at::zeros({0, kBoxNumbers}));
-  return heads::why_not_conditioned(*head.forward(input));
+  return heads::why_not_conditioned(*head.forward(network.no_head_input()));
 }
 
 void require_known_sizes(const geometry::KnownSizes& known, const Network& network,

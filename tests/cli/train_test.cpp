@@ -144,7 +144,9 @@ class TrainCommand : public ::testing::Test {
     ASSERT_EQ(made.exit_code, 0) << made.errors;
     folder_->write("train.yaml", "network_file: " + small_network() + R"(
 model:
-  network: {more_heads: [gaussian], more_head_options: ["gaussian.hidden=[32]"]}
+  network:
+    more_heads: [gaussian, four_point]
+    more_head_options: ["gaussian.hidden=[32]", "four_point.hidden=[32]"]
   augmentation: {objects: {counts: [2, 2, 2]}}
 data: {kind: kitti, kitti: {root: )" +
                                      (*folder_ / "streets").string() + R"(, all_round: true}}
@@ -308,6 +310,8 @@ train: {steps: 3, batch_size: 1, seed: 5}
                                        labels_in(path("streets") + "/training/label_360"));
     }
     EXPECT_TRUE(rows.contains("pointwise pointwise"));
+    EXPECT_TRUE(rows.contains("four_point box"));
+    EXPECT_FALSE(rows.contains("four_point q 0.20")) << "it has one box";
     EXPECT_TRUE(rows.contains("cluster_fit box"));
     EXPECT_TRUE(report.at("uncertainty").contains("gaussian, G"));
     for (const char* name : {"average_precision.png", "containment.png",
@@ -387,7 +391,7 @@ TEST_F(TrainCommand, HeadsLearnOnTheFrozenFeaturesOfARun) {
   const auto after = arbox::io::read_model_archive(path("heads") + "/model.arbox").records;
   std::size_t learnt = 0;
   for (const auto& [name, record] : after) {
-    if (name.starts_with("roi_head.box_head") || name.starts_with("box_heads.gaussian")) {
+    if (name.starts_with("roi_head.box_head") || name.starts_with("box_heads.")) {
       ++learnt;
     } else {
       EXPECT_EQ(record, before.at(name)) << name;

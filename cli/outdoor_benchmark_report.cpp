@@ -110,6 +110,18 @@ std::string ranking_table(const OutdoorBenchmark& benchmark) {
   return result;
 }
 
+/// How often boxes overlap their objects, and how often the samples say that they do.
+std::string overlap_table(const OutdoorBenchmark& benchmark) {
+  std::string result = header({"samples of", "IoU at least", "promised", "kept"});
+  for (const NamedUncertainty& one : benchmark.uncertainty) {
+    for (const auto& row : one.report.all.overlaps) {
+      result +=
+          text("| %s | %g | %.3f | %.3f |\n", one.name.c_str(), row.iou, row.promised, row.kept);
+    }
+  }
+  return result;
+}
+
 /// Bars of the boxes of a detector; beside those of a head the pointwise ones.
 drawing::Panel precision_panel(const OutdoorBenchmark& benchmark, const std::string& detector) {
   drawing::Panel panel;
@@ -181,6 +193,8 @@ std::string to_markdown(const OutdoorBenchmark& benchmark) {
             uncertainty_table(benchmark) +
             "\nWhat the uncertainty tells of boxes, as in the paper's table of its measures:\n\n" +
             ranking_table(benchmark) +
+            "\nHow often boxes overlap their objects, and how often their samples say so:\n\n" +
+            overlap_table(benchmark) +
             text("\nLargest memory of the whole run: %.0f MB.\n", benchmark.peak_memory);
   return result;
 }

@@ -26,6 +26,7 @@ void require_options(const UncertaintyOptions& options) {
   require_share(options.min_score, "min_score");
   require_share(options.min_iog, "min_iog");
   require_share(options.wrong_iou, "wrong_iou");
+  for (const double iou : options.promised_ious) require_share(iou, "promised_ious");
 }
 
 /// Boxes of one kind, and the uncertainty of their detections.
@@ -69,6 +70,37 @@ struct Level {
   }
 };
 
+/// What samples say of the overlap of their detections' boxes.
+struct OverlapSums {
+  std::size_t boxes = 0;
+  std::vector<double> promised, kept;
+
+  void add(const Detection& detection, double overlap, const UncertaintyOptions& options) {
+    if (detection.samples.empty()) return;
+    const std::vector<double>& ious = options.promised_ious;
+    promised.resize(ious.size());
+    kept.resize(ious.size());
+    ++boxes;
+    for (std::size_t i = 0; i < ious.size(); ++i) {
+      promised[i] +=
+          geometry::overlapping_share({.boxes = detection.samples}, detection.box, ious[i]);
+      kept[i] += overlap >= ious[i] ? 1.0 : 0.0;
+    }
+  }
+
+  std::vector<PromisedOverlap> figures(const UncertaintyOptions& options) const {
+    std::vector<PromisedOverlap> result;
+    const auto count = static_cast<double>(boxes);
+    for (std::size_t i = 0; i < promised.size(); ++i) {
+      result.push_back({.iou = options.promised_ious[i],
+                        .promised = promised[i] / count,
+                        .kept = kept[i] / count,
+                        .boxes = boxes});
+    }
+    return result;
+  }
+};
+
 void require_finite(const std::optional<double>& uncertainty) {
   if (!uncertainty || std::isfinite(*uncertainty)) return;
   throw InvalidArgument("evaluate_uncertainty: expected a finite uncertainty, got " +
@@ -81,6 +113,7 @@ struct Sums {
   double iog = 0.0, f1 = 0.0;
   Ranking own;
   std::map<double, Level> quantile, sampled, confidence;
+  OverlapSums overlaps;
 
   void add(const Detection& detection, const Detection& object, const BoxError& error,
            std::span<const geometry::ConfidenceBox> sample_boxes,
@@ -88,6 +121,7 @@ struct Sums {
     const auto& uncertainty = detection.uncertainty;
     require_finite(uncertainty);
     own.add(error.iou, uncertainty, options);
+    overlaps.add(detection, error.iou, options);
     iog += error.iog;
     f1 += error.f1;
     const auto add_to = [&](Level& level, const geometry::Box& box) {
@@ -117,7 +151,8 @@ std::vector<BoxLevel> box_levels(const std::map<double, Level>& levels, bool qua
   return result;
 }
 
-UncertaintyFigures figures_of(const std::string& label, const Sums& sums) {
+UncertaintyFigures figures_of(const std::string& label, const Sums& sums,
+                              const UncertaintyOptions& options) {
   const RankedBoxes own = sums.own.figures();
   UncertaintyFigures figures;
   figures.label = label;
@@ -133,6 +168,7 @@ UncertaintyFigures figures_of(const std::string& label, const Sums& sums) {
   figures.quantile_boxes = box_levels(sums.quantile, true);
   figures.sample_boxes = box_levels(sums.sampled, false);
   figures.confidence_boxes = box_levels(sums.confidence, false);
+  figures.overlaps = sums.overlaps.figures(options);
   figures.roc_auc = own.roc_auc;
   figures.spearman = own.spearman;
   return figures;
@@ -185,8 +221,10 @@ UncertaintyReport evaluate_uncertainty(std::span<const UncertaintyScan> scans,
                               .uncertainty = detection.uncertainty});
     }
   }
-  for (const std::string& label : classes) report.classes.push_back(figures_of(label, sums[label]));
-  report.all = figures_of("all", all);
+  for (const std::string& label : classes) {
+    report.classes.push_back(figures_of(label, sums[label], options));
+  }
+  report.all = figures_of("all", all, options);
   return report;
 }
 

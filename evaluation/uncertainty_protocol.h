@@ -36,6 +36,8 @@ struct UncertaintyOptions {
   /// Confidence boxes at these p are made from the detections' samples and scored beside those that
   /// they bring: what their distributions promise before any calibration.
   std::vector<double> sample_confidences = {};
+  /// The detections' samples promise how often their boxes overlap the object by these IoU.
+  std::vector<double> promised_ious = {0.25, 0.5, 0.7};
   /// Boxes with an IoU below this are wrong; the uncertainty should tell which (paper, section
   /// 5.3).
   double wrong_iou = 0.25;
@@ -65,6 +67,18 @@ struct BoxLevel : RankedBoxes {
   double contained = 0.0;
 };
 
+/// How often the detections' own boxes overlap their objects, and how often the samples say so.
+struct PromisedOverlap {
+  double iou = 0.0;
+  /// Mean over the boxes of the share of the samples that overlap the box by that IoU or more
+  /// (geometry::overlapping_share).
+  double promised = 0.0;
+  /// Share of the boxes that overlap their object so.
+  double kept = 0.0;
+  /// Found objects whose detection has samples.
+  std::size_t boxes = 0;
+};
+
 /// An object that was found.
 struct FoundBox {
   std::string label;
@@ -83,6 +97,8 @@ struct UncertaintyFigures {
   double mean_iou = 0.0, mean_iog = 0.0, f1_of_means = 0.0, mean_f1 = 0.0;
   /// By level, rising.
   std::vector<BoxLevel> quantile_boxes, sample_boxes, confidence_boxes;
+  /// By IoU, as in the options; empty without samples.
+  std::vector<PromisedOverlap> overlaps;
   /// Of the detections' own boxes, as in RankedBoxes.
   std::optional<double> roc_auc, spearman;
 };
@@ -121,7 +137,8 @@ ShareInterval share_interval(std::size_t hits, std::size_t trials);
 ///  "mean_iog": ..., "f1_of_means": ..., "mean_f1": ..., "roc_auc": ..., "spearman": ...,
 ///  "quantile_boxes": [{"q": 0.1, "promised": 0.9, "contained": 0.88, "boxes": 8, "wrong": 1,
 ///  "mean_iou": ..., "roc_auc": ..., "spearman": ...}],
-///  "sample_boxes": [{"p": 0.9, ...}], "confidence_boxes": [{"p": 0.9, ...}]}},
+///  "sample_boxes": [{"p": 0.9, ...}], "confidence_boxes": [{"p": 0.9, ...}],
+///  "overlaps": [{"iou": 0.5, "promised": 0.96, "kept": 0.95, "boxes": 8}]}},
 ///  "all": {...}}; figures that are not defined are null.
 std::string to_json(const UncertaintyReport& report);
 

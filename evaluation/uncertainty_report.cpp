@@ -35,6 +35,15 @@ Json levels_json(const std::vector<BoxLevel>& levels, const char* name) {
   return result;
 }
 
+Json overlaps_json(const std::vector<PromisedOverlap>& overlaps) {
+  Json result = Json::array();
+  for (const PromisedOverlap& one : overlaps) {
+    result.push_back(
+        {{"iou", one.iou}, {"promised", one.promised}, {"kept", one.kept}, {"boxes", one.boxes}});
+  }
+  return result;
+}
+
 Json figures_json(const UncertaintyFigures& figures) {
   return {{"objects", figures.objects},
           {"found", figures.found},
@@ -47,7 +56,8 @@ Json figures_json(const UncertaintyFigures& figures) {
           {"spearman", number_or_null(figures.spearman)},
           {"quantile_boxes", levels_json(figures.quantile_boxes, "q")},
           {"sample_boxes", levels_json(figures.sample_boxes, "p")},
-          {"confidence_boxes", levels_json(figures.confidence_boxes, "p")}};
+          {"confidence_boxes", levels_json(figures.confidence_boxes, "p")},
+          {"overlaps", overlaps_json(figures.overlaps)}};
 }
 
 std::string number_or_dash(const std::optional<double>& value) {
@@ -78,6 +88,15 @@ std::string levels_table(const UncertaintyReport& report, const char* title,
       text += found == list.end() ? line(" %12s", "-") : line(" %12.3f", found->contained);
     }
     text += line(" %12.3f\n", row.contained);
+  }
+  return text;
+}
+
+std::string overlaps_table(const UncertaintyReport& report) {
+  if (report.all.overlaps.empty()) return {};
+  std::string text = line("\n%-12s %8s %8s %6s\n", "IoU at least", "promised", "kept", "boxes");
+  for (const PromisedOverlap& row : report.all.overlaps) {
+    text += line("%-12g %8.3f %8.3f %6zu\n", row.iou, row.promised, row.kept, row.boxes);
   }
   return text;
 }
@@ -125,7 +144,7 @@ std::string to_table(const UncertaintyReport& report) {
   text += levels_table(report, "quantile q", &UncertaintyFigures::quantile_boxes);
   text += levels_table(report, "samples p", &UncertaintyFigures::sample_boxes);
   text += levels_table(report, "confidence p", &UncertaintyFigures::confidence_boxes);
-  return text + rankings_table(report);
+  return text + overlaps_table(report) + rankings_table(report);
 }
 
 std::string to_json(const RecallReport& report) {

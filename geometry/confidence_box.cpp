@@ -45,6 +45,21 @@ class HeldShares {
   std::vector<double> shares_;
 };
 
+/// The part of the samples' weight whose overlap with the box passes.
+template <class Passes>
+double share_that(const BoxSamples& samples, const Box& box, Overlap measure,
+                  const Passes& passes) {
+  const auto overlaps =
+      overlap_matrix(std::span(&box, 1), samples.boxes, {.measure = measure, .threads = 1});
+  double passing = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < samples.boxes.size(); ++i) {
+    const double weight = samples.weights.empty() ? 1.0 : samples.weights[i];
+    all += weight;
+    if (passes(overlaps(0, static_cast<Eigen::Index>(i)))) passing += weight;
+  }
+  return passing / all;
+}
+
 void require_probabilities(std::span<const double> ps) {
   for (const double p : ps) {
     if (p >= 0.0 && p <= 1.0) continue;
@@ -82,15 +97,12 @@ std::vector<ConfidenceBox> boxes_of(const BoxSamples& samples, std::span<const d
 
 double held_share(const BoxSamples& samples, const Box& box, double min_iog) {
   require_valid(samples, "held_share");
-  const auto covered =
-      overlap_matrix(std::span(&box, 1), samples.boxes, {.measure = Overlap::kIog, .threads = 1});
-  double held = 0.0, all = 0.0;
-  for (std::size_t i = 0; i < samples.boxes.size(); ++i) {
-    const double weight = samples.weights.empty() ? 1.0 : samples.weights[i];
-    all += weight;
-    if (covered(0, static_cast<Eigen::Index>(i)) > min_iog) held += weight;
-  }
-  return held / all;
+  return share_that(samples, box, Overlap::kIog, [&](double covered) { return covered > min_iog; });
+}
+
+double overlapping_share(const BoxSamples& samples, const Box& box, double min_iou) {
+  require_valid(samples, "overlapping_share");
+  return share_that(samples, box, Overlap::kIou, [&](double iou) { return iou >= min_iou; });
 }
 
 std::vector<std::vector<ConfidenceBox>> confidence_boxes(std::span<const BoxSamples> objects,

@@ -6,7 +6,7 @@
 #include "arbox/geometry/quantile_box.h"
 
 /// \file
-/// Boxes that hold a chosen share of an object's samples.
+/// Boxes that hold a chosen share of an object's samples, and what share a box holds or overlaps.
 ///
 /// The quantile box for q = 1 - p holds at least that share where the samples are ordered (theorem
 /// 1). Where several faces are unsure at once it holds less: with six faces that each stay inside
@@ -22,6 +22,11 @@ inline constexpr double kHeldIog = 0.95;
 /// The part of the samples' weight that `box` holds: samples with more than `min_iog` of their
 /// volume inside. Throws InvalidArgument for no samples, bad boxes or weights.
 double held_share(const BoxSamples& samples, const Box& box, double min_iog = kHeldIog);
+
+/// The part of the samples' weight that overlaps `box` by an IoU of at least `min_iou`: how likely
+/// the box is that good, as far as the samples are true draws of where the object is. Errors as
+/// held_share().
+double overlapping_share(const BoxSamples& samples, const Box& box, double min_iou);
 
 /// For each p in [0, 1], in the order asked for: the least box that holds samples of weight at
 /// least p, on the way from the core of the samples to the box around them all. The way leads

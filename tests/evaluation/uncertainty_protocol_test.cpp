@@ -86,6 +86,28 @@ TEST(Uncertainty, BoxesOfTheSamplesAreScoredWhereTheyAreAskedFor) {
   EXPECT_EQ(json.at("all").at("sample_boxes").at(1).at("p"), 0.9);
 }
 
+TEST(Uncertainty, SamplesPromiseTheOverlapOfTheirBox) {
+  // IoU of the box with its samples: 1, 1, 4 / 5, 4 / 8; with the objects: 1 and 4 / 6.
+  UncertaintyScan scan{.detections = {car_at(0), car_at(20), car_at(40)},
+                       .objects = {car_at(0), car_at(20, 6), car_at(40)}};
+  scan.detections[0].samples = {car_at(0).box, car_at(0).box};
+  scan.detections[1].samples = {car_at(20, 5).box, car_at(20, 8).box};
+  const auto report = evaluate_uncertainty(std::vector{scan}, {.promised_ious = {0.4, 0.6, 0.75}});
+  ASSERT_EQ(report.all.overlaps.size(), 3u);
+  const double promised[] = {1.0, 0.75, 0.75}, kept[] = {1.0, 1.0, 0.5};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(report.all.overlaps[i].promised, promised[i], kTiny) << i;
+    EXPECT_NEAR(report.all.overlaps[i].kept, kept[i], kTiny) << i;
+    EXPECT_EQ(report.all.overlaps[i].boxes, 2u) << "the third has no samples";
+  }
+  const auto json = nlohmann::json::parse(to_json(report)).at("all").at("overlaps");
+  EXPECT_EQ(json.at(1).at("iou"), 0.6);
+  EXPECT_EQ(json.at(1).at("promised"), 0.75);
+  EXPECT_THAT(to_table(report), ::testing::ContainsRegex("IoU at least +promised +kept"));
+  EXPECT_TRUE(evaluate_uncertainty(std::vector{half_a_length_off()}).all.overlaps.empty());
+  EXPECT_THROW(evaluate_uncertainty({}, {.promised_ious = {1.5}}), InvalidArgument);
+}
+
 TEST(Uncertainty, RankingsAreThoseOfAllFoundObjects) {
   const RandomStream random(7, 0, 0);
   std::uint32_t draw = 0;

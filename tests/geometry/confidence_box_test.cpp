@@ -87,6 +87,20 @@ TEST(ConfidenceBox, HeldSharesCountWeightsAndVolume) {
   EXPECT_NEAR(held_share({.boxes = samples, .weights = weights}, box), 0.25, 1e-12);
 }
 
+TEST(ConfidenceBox, OverlappingSharesCountWeightsAndIou) {
+  const Box box = make_yaw_box({0, 0, 0}, {4, 2, 2}, 0);
+  // IoU 1, 4 / 8 and 2 / 6.
+  const std::vector<Box> samples = {box, make_yaw_box({0, 0, 0}, {8, 2, 2}, 0),
+                                    make_yaw_box({2, 0, 0}, {4, 2, 2}, 0)};
+  EXPECT_NEAR(overlapping_share({.boxes = samples}, box, 0.0), 1.0, 1e-12);
+  EXPECT_NEAR(overlapping_share({.boxes = samples}, box, 0.4), 2.0 / 3, 1e-12);
+  EXPECT_NEAR(overlapping_share({.boxes = samples}, box, 0.6), 1.0 / 3, 1e-12);
+  const std::vector<double> weights = {1.0, 2.0, 5.0};
+  EXPECT_NEAR(overlapping_share({.boxes = samples, .weights = weights}, box, 0.4), 3.0 / 8, 1e-12);
+  EXPECT_EQ(overlapping_share({.boxes = samples}, make_yaw_box({90, 0, 0}, {1, 1, 1}, 0), 0.1), 0);
+  EXPECT_THROW(overlapping_share(BoxSamples{}, box, 0.5), InvalidArgument);
+}
+
 TEST(ConfidenceBox, ManyObjectsAreThoseOneByOneAndBadInputIsRefused) {
   std::mt19937_64 random(63);
   const auto first = scattered_samples(random, 16, 0.3, false);

@@ -9,8 +9,8 @@
 #include "arbox/detectors/pv_rcnn/box_coding.h"
 #include "arbox/detectors/pv_rcnn/internal/box_rows.h"
 #include "arbox/detectors/pv_rcnn/internal/head_answer.h"
+#include "arbox/geometry/confidence_box.h"
 #include "arbox/geometry/nms.h"
-#include "arbox/geometry/overlap.h"
 
 namespace arbox::detectors::pv_rcnn::internal {
 namespace {
@@ -96,16 +96,6 @@ heads::HeadInput input_of(const Network& network, const RegionResults& results,
   return input;
 }
 
-/// Share of the draws that overlap a box; 1 if there are none.
-double overlapping_share(const geometry::Box& box, const std::vector<geometry::Box>& samples,
-                         double iou) {
-  if (samples.empty()) return 1.0;
-  const auto overlapping = std::count_if(
-      samples.begin(), samples.end(),
-      [&](const geometry::Box& sample) { return geometry::overlap(sample, box) >= iou; });
-  return static_cast<double>(overlapping) / static_cast<double>(samples.size());
-}
-
 /// Leaves out what has lost too much of its score; best score first.
 void rank(std::vector<geometry::Detection>& detections, double least) {
   std::erase_if(detections, [&](const auto& detection) { return detection.score < least; });
@@ -145,8 +135,9 @@ geometry::Detection to_detection(const Candidates& candidates, std::size_t i,
         {.boxes = samples, .object = static_cast<std::uint64_t>(candidates.rows[i])},
         request.confidences);
   }
-  if (options.post.scoring == "overlap") {
-    detection.score *= overlapping_share(detection.box, object.samples, options.post.overlap_iou);
+  if (options.post.scoring == "overlap" && !object.samples.empty()) {
+    detection.score *= geometry::overlapping_share({.boxes = object.samples}, detection.box,
+                                                   options.post.overlap_iou);
   }
   if (request.samples) detection.samples = object.samples;
   return detection;

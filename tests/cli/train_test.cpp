@@ -301,14 +301,18 @@ train: {steps: 3, batch_size: 1, seed: 5}
         EXPECT_TRUE(rows.contains(head + box)) << head << box;
       }
       EXPECT_FALSE(rows.contains(head + " q 0.80")) << "is for the ranking by uncertainty";
-      const auto& all = report.at("uncertainty").at(head).at("all");
-      const auto& last = all.at("quantile_boxes").back();
-      EXPECT_EQ(last.at("q"), 0.8);
-      EXPECT_EQ(last.at("boxes"), all.at("found"));
-      EXPECT_TRUE(last.contains("roc_auc") && last.contains("spearman"));
-      EXPECT_EQ(all.at("objects"), labels_in(path("streets") + "/training/label_2") +
-                                       labels_in(path("streets") + "/training/label_360"));
+      EXPECT_EQ(report.at("uncertainty").at(head).at("all").at("objects"),
+                labels_in(path("streets") + "/training/label_2") +
+                    labels_in(path("streets") + "/training/label_360"));
     }
+    // The network has learnt for three steps and need not find anything.
+    const auto& of_cluster_fit = report.at("uncertainty").at("cluster_fit").at("all");
+    ASSERT_GT(of_cluster_fit.at("found"), 0);
+    const auto& last = of_cluster_fit.at("quantile_boxes").back();
+    EXPECT_EQ(last.at("q"), 0.8);
+    EXPECT_EQ(last.at("boxes"), of_cluster_fit.at("found"));
+    EXPECT_TRUE(last.contains("roc_auc") && last.contains("spearman"));
+    EXPECT_EQ(of_cluster_fit.at("overlaps").size(), 3u);
     EXPECT_TRUE(rows.contains("pointwise pointwise"));
     EXPECT_TRUE(rows.contains("four_point box"));
     EXPECT_FALSE(rows.contains("four_point q 0.20")) << "it has one box";

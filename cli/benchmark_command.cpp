@@ -26,8 +26,8 @@ void write_results(const OutdoorBenchmark& benchmark, const std::filesystem::pat
   io::write_file(folder / "benchmark.json", to_json(benchmark));
   io::write_file(folder / "benchmark.md", to_markdown(benchmark));
   drawing::write_image(draw_average_precision(benchmark), folder / "average_precision.png");
-  drawing::write_image(draw_containment(benchmark.uncertainty, benchmark.title),
-                       folder / "containment.png");
+  drawing::write_image(draw_promises(benchmark.uncertainty, benchmark.title),
+                       folder / "promises.png");
   for (const BenchmarkRow& row : benchmark.rows) {
     const std::string name = "precision_recall_" + row.detector + ".png";
     if (row.box.starts_with("q ") || row.box == "mean") continue;

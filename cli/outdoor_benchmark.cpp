@@ -98,7 +98,7 @@ class Results {
     if (contestant.name == "gaussian") {
       auto deviating = found;
       evaluation::use_gaussian_uncertainty(deviating);
-      add_uncertainty("gaussian, G", objects, std::move(deviating));
+      add_uncertainty(kGaussianDeviation, objects, std::move(deviating));
     }
     add_uncertainty(contestant.name, objects, std::move(found));
   }

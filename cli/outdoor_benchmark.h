@@ -52,7 +52,7 @@ struct OutdoorBenchmark {
   std::string title;
   std::size_t scans = 0;
   std::vector<BenchmarkRow> rows;
-  /// By detector, and "gaussian, G" for the Gaussian head's deviation of sizes.
+  /// By detector, and kGaussianDeviation.
   std::vector<NamedUncertainty> uncertainty;
   int threads = 0;
   /// The program's largest resident memory, megabytes.

@@ -114,6 +114,7 @@ std::string ranking_table(const OutdoorBenchmark& benchmark) {
 std::string overlap_table(const OutdoorBenchmark& benchmark) {
   std::string result = header({"samples of", "IoU at least", "promised", "kept"});
   for (const NamedUncertainty& one : benchmark.uncertainty) {
+    if (one.name == kGaussianDeviation) continue;
     for (const auto& row : one.report.all.overlaps) {
       result +=
           text("| %s | %g | %.3f | %.3f |\n", one.name.c_str(), row.iou, row.promised, row.kept);

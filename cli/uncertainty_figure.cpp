@@ -1,6 +1,7 @@
 #include "arbox/cli/uncertainty_figure.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "arbox/drawing/curves.h"
 
@@ -19,6 +20,16 @@ drawing::Panel promise_panel(const std::string& title) {
   return panel;
 }
 
+/// A share of `boxes` against what was promised, with its interval at 95 %.
+void add_share(drawing::Series& series, double promised, double share, std::size_t boxes) {
+  const auto hits = static_cast<std::size_t>(share * static_cast<double>(boxes) + 0.5);
+  const auto interval = evaluation::share_interval(hits, boxes);
+  series.x.push_back(promised);
+  series.y.push_back(share);
+  series.low.push_back(interval.low);
+  series.high.push_back(interval.high);
+}
+
 drawing::Series promise_line(const std::string& name, std::vector<BoxLevel> levels) {
   std::sort(levels.begin(), levels.end(),
             [](const auto& first, const auto& second) { return first.promised < second.promised; });
@@ -26,13 +37,36 @@ drawing::Series promise_line(const std::string& name, std::vector<BoxLevel> leve
   series.name = name;
   series.markers = true;
   for (const BoxLevel& level : levels) {
-    const auto hits =
-        static_cast<std::size_t>(level.contained * static_cast<double>(level.boxes) + 0.5);
-    const auto interval = evaluation::share_interval(hits, level.boxes);
-    series.x.push_back(level.promised);
-    series.y.push_back(level.contained);
-    series.low.push_back(interval.low);
-    series.high.push_back(interval.high);
+    add_share(series, level.promised, level.contained, level.boxes);
+  }
+  return series;
+}
+
+drawing::Panel overlap_panel() {
+  drawing::Panel panel = promise_panel("overlap by an IoU of 0.25, 0.5, 0.7");
+  panel.x.label = "promised by the samples";
+  panel.y.label = "kept";
+  return panel;
+}
+
+/// Both axes from the tenth below the least share to 1.
+void zoom(drawing::Panel& panel) {
+  double least = 1.0;
+  for (const drawing::Series& series : panel.series) {
+    for (const auto* shares : {&series.x, &series.y}) {
+      for (const double share : *shares) least = std::min(least, share);
+    }
+  }
+  panel.x.low = panel.y.low = std::floor(std::min(least, 0.9) * 10.0) / 10.0;
+}
+
+drawing::Series overlap_line(const std::string& name,
+                             const std::vector<evaluation::PromisedOverlap>& overlaps) {
+  drawing::Series series;
+  series.name = name;
+  series.markers = true;
+  for (const auto& overlap : overlaps) {
+    add_share(series, overlap.promised, overlap.kept, overlap.boxes);
   }
   return series;
 }
@@ -78,19 +112,23 @@ drawing::Image draw_uncertainty(const UncertaintyReport& report) {
                                         std::to_string(report.scans) + " scans"});
 }
 
-drawing::Image draw_containment(std::span<const NamedUncertainty> detectors,
-                                const std::string& title) {
-  std::vector<drawing::Panel> panels;
-  const auto add = [&](const char* kind, auto levels) {
-    drawing::Panel panel = promise_panel(kind);
-    for (const NamedUncertainty& detector : detectors) {
-      const auto& of_all = detector.report.all.*levels;
-      if (!of_all.empty()) panel.series.push_back(promise_line(detector.name, of_all));
-    }
-    if (panels.empty() || !panel.series.empty()) panels.push_back(std::move(panel));
-  };
-  add("quantile boxes of q = 1 - p", &evaluation::UncertaintyFigures::quantile_boxes);
-  add("boxes that hold p of the samples", &evaluation::UncertaintyFigures::sample_boxes);
+drawing::Image draw_promises(std::span<const NamedUncertainty> detectors,
+                             const std::string& title) {
+  std::vector<drawing::Panel> panels = {promise_panel("quantile boxes of q = 1 - p"),
+                                        promise_panel("boxes that hold p of the samples"),
+                                        overlap_panel()};
+  for (const NamedUncertainty& detector : detectors) {
+    if (detector.name == kGaussianDeviation) continue;
+    const auto& all = detector.report.all;
+    panels[0].series.push_back(promise_line(detector.name, all.quantile_boxes));
+    panels[1].series.push_back(promise_line(detector.name, all.sample_boxes));
+    panels[2].series.push_back(overlap_line(detector.name, all.overlaps));
+  }
+  for (drawing::Panel& panel : panels) {
+    std::erase_if(panel.series, [](const drawing::Series& one) { return one.x.empty(); });
+  }
+  // Most boxes overlap their objects.
+  if (!panels[2].series.empty()) zoom(panels[2]);
   return drawing::draw_figure(panels, {.title = title});
 }
 

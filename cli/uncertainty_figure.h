@@ -18,8 +18,13 @@ struct NamedUncertainty {
   evaluation::UncertaintyReport report;
 };
 
-/// Containment against promise over all classes, a line for each detector.
-drawing::Image draw_containment(std::span<const NamedUncertainty> detectors,
-                                const std::string& title);
+/// The Gaussian head's boxes with the deviation of sizes for their uncertainty
+/// (evaluation::use_gaussian_uncertainty): another doubt about the same boxes.
+inline constexpr char kGaussianDeviation[] = "gaussian, G";
+
+/// Fact against promise over all classes, a line for each detector: how often quantile boxes and
+/// boxes of the samples contain their objects, and how often boxes overlap theirs. Leaves out
+/// kGaussianDeviation, which has the promises of the Gaussian head.
+drawing::Image draw_promises(std::span<const NamedUncertainty> detectors, const std::string& title);
 
 }  // namespace arbox::cli

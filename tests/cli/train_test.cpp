@@ -318,7 +318,7 @@ train: {steps: 3, batch_size: 1, seed: 5}
     EXPECT_FALSE(rows.contains("four_point q 0.20")) << "it has one box";
     EXPECT_TRUE(rows.contains("cluster_fit box"));
     EXPECT_TRUE(report.at("uncertainty").contains("gaussian, G"));
-    for (const char* name : {"average_precision.png", "containment.png",
+    for (const char* name : {"average_precision.png", "promises.png",
                              "precision_recall_autoregressive.png", "benchmark.md"}) {
       EXPECT_FALSE(slurp(path("results") + "/" + name).empty()) << name;
     }

@@ -57,7 +57,7 @@ Contestant cluster_fit_contestant(const detectors::DetectionRequest& request) {
 /// with them says what it has.
 std::vector<ModelHead> heads_of(const OutdoorBenchmarkOptions& options) {
   if (options.model.empty()) return {};
-  const auto all = torch_module().model_heads(io::find_model(options.model).string());
+  auto all = torch_module().model_heads(io::find_model(options.model).string());
   if (options.heads.empty()) return all;
   std::vector<ModelHead> heads;
   for (const std::string& name : options.heads) {

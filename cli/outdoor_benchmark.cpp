@@ -34,6 +34,7 @@ struct FoundScans {
 /// What quantile boxes promise.
 std::vector<double> promised(const std::vector<double>& quantiles) {
   std::vector<double> ps;
+  ps.reserve(quantiles.size());
   for (const double q : quantiles) ps.push_back(1.0 - q);
   return ps;
 }

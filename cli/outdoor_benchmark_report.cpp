@@ -209,6 +209,7 @@ drawing::Image draw_average_precision(const OutdoorBenchmark& benchmark) {
   }
   if (detectors.empty()) detectors.push_back(kPointwise);
   std::vector<drawing::Panel> panels;
+  panels.reserve(detectors.size());
   for (const std::string& detector : detectors) {
     panels.push_back(precision_panel(benchmark, detector));
   }

@@ -22,7 +22,7 @@ drawing::Panel promise_panel(const std::string& title) {
 
 /// A share of `boxes` against what was promised, with its interval at 95 %.
 void add_share(drawing::Series& series, double promised, double share, std::size_t boxes) {
-  const auto hits = static_cast<std::size_t>(share * static_cast<double>(boxes) + 0.5);
+  const auto hits = static_cast<std::size_t>(std::llround(share * static_cast<double>(boxes)));
   const auto interval = evaluation::share_interval(hits, boxes);
   series.x.push_back(promised);
   series.y.push_back(share);

@@ -66,6 +66,11 @@ std::string recall_table(const OutdoorBenchmark& benchmark) {
   return result;
 }
 
+/// A cell of a table, behind its bar.
+std::string figure_cell(const std::optional<double>& value) {
+  return value ? text(" %.3f |", *value) : " - |";
+}
+
 std::string uncertainty_table(const OutdoorBenchmark& benchmark) {
   std::string result = header({"detector", "found", "mean IoU", "F1 of means", "ROC AUC",
                                "Spearman", "contained, by q (promised)",
@@ -74,8 +79,7 @@ std::string uncertainty_table(const OutdoorBenchmark& benchmark) {
     const auto& all = one.report.all;
     result += text("| %s | %zu of %zu | %.3f | %.3f |", one.name.c_str(), all.found, all.objects,
                    all.mean_iou, all.f1_of_means);
-    result += all.roc_auc ? text(" %.3f |", *all.roc_auc) : " - |";
-    result += all.spearman ? text(" %.3f |", *all.spearman) : " - |";
+    result += figure_cell(all.roc_auc) + figure_cell(all.spearman);
     for (const auto* levels : {&all.quantile_boxes, &all.sample_boxes, &all.confidence_boxes}) {
       for (const auto& level : *levels) {
         result += text(" %g: %.3f (%.2f)", level.level, level.contained, level.promised);
@@ -91,14 +95,11 @@ std::string uncertainty_table(const OutdoorBenchmark& benchmark) {
 std::string ranking_table(const OutdoorBenchmark& benchmark) {
   std::string result =
       header({"uncertainty of", "boxes", "objects", "wrong", "mean IoU", "ROC AUC", "Spearman"});
-  const auto number = [](const std::optional<double>& value) {
-    return value ? text(" %.3f |", *value) : std::string(" - |");
-  };
   const auto add = [&](const std::string& name, const std::string& boxes,
                        const evaluation::RankedBoxes& ranked) {
     result += "| " + name + " | " + boxes +
               text(" | %zu | %zu | %.3f |", ranked.boxes, ranked.wrong, ranked.mean_iou) +
-              number(ranked.roc_auc) + number(ranked.spearman) + "\n";
+              figure_cell(ranked.roc_auc) + figure_cell(ranked.spearman) + "\n";
   };
   for (const NamedUncertainty& one : benchmark.uncertainty) {
     const auto& all = one.report.all;

@@ -77,9 +77,9 @@ std::string uncertainty_table(const OutdoorBenchmark& benchmark) {
                                "by p of the samples (promised)", "by p, calibrated (promised)"});
   for (const NamedUncertainty& one : benchmark.uncertainty) {
     const auto& all = one.report.all;
-    result += text("| %s | %zu of %zu | %.3f | %.3f |", one.name.c_str(), all.found, all.objects,
-                   all.mean_iou, all.f1_of_means);
-    result += figure_cell(all.roc_auc) + figure_cell(all.spearman);
+    result += text("| %s | %zu of %zu | %.3f | %.3f |", one.name.c_str(), all.found.boxes,
+                   all.objects, all.found.mean_iou, all.f1_of_means);
+    result += figure_cell(all.found.roc_auc) + figure_cell(all.found.spearman);
     for (const auto* levels : {&all.quantile_boxes, &all.sample_boxes, &all.confidence_boxes}) {
       for (const auto& level : *levels) {
         result += text(" %g: %.3f (%.2f)", level.level, level.contained, level.promised);
@@ -103,7 +103,7 @@ std::string ranking_table(const OutdoorBenchmark& benchmark) {
   };
   for (const NamedUncertainty& one : benchmark.uncertainty) {
     const auto& all = one.report.all;
-    add(one.name, "its own", {all.found, all.wrong, all.mean_iou, all.roc_auc, all.spearman});
+    add(one.name, "its own", all.found);
     for (const evaluation::BoxLevel& level : all.quantile_boxes) {
       add(one.name, text("q %.2f", level.level), level);
     }

@@ -107,9 +107,9 @@ drawing::Image draw_uncertainty(const UncertaintyReport& report) {
   add("boxes that hold p of the samples", &evaluation::UncertaintyFigures::sample_boxes);
   add("confidence boxes", &evaluation::UncertaintyFigures::confidence_boxes);
   panels.push_back(uncertainty_panel(report));
-  return drawing::draw_figure(panels,
-                              {.title = std::to_string(report.all.found) + " found objects in " +
-                                        std::to_string(report.scans) + " scans"});
+  return drawing::draw_figure(
+      panels, {.title = std::to_string(report.all.found.boxes) + " found objects in " +
+                        std::to_string(report.scans) + " scans"});
 }
 
 drawing::Image draw_promises(std::span<const NamedUncertainty> detectors,

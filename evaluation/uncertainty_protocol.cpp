@@ -153,24 +153,19 @@ std::vector<BoxLevel> box_levels(const std::map<double, Level>& levels, bool qua
 
 UncertaintyFigures figures_of(const std::string& label, const Sums& sums,
                               const UncertaintyOptions& options) {
-  const RankedBoxes own = sums.own.figures();
   UncertaintyFigures figures;
   figures.label = label;
   figures.objects = sums.objects;
-  figures.found = own.boxes;
-  figures.wrong = own.wrong;
-  const auto count = static_cast<double>(std::max<std::size_t>(own.boxes, 1));
-  figures.mean_iou = own.mean_iou;
+  figures.found = sums.own.figures();
+  const auto count = static_cast<double>(std::max<std::size_t>(figures.found.boxes, 1));
   figures.mean_iog = sums.iog / count;
   figures.mean_f1 = sums.f1 / count;
-  const double both = figures.mean_iou + figures.mean_iog;
-  figures.f1_of_means = both > 0 ? 2.0 * figures.mean_iou * figures.mean_iog / both : 0.0;
+  const double both = figures.found.mean_iou + figures.mean_iog;
+  figures.f1_of_means = both > 0 ? 2.0 * figures.found.mean_iou * figures.mean_iog / both : 0.0;
   figures.quantile_boxes = box_levels(sums.quantile, true);
   figures.sample_boxes = box_levels(sums.sampled, false);
   figures.confidence_boxes = box_levels(sums.confidence, false);
   figures.overlaps = sums.overlaps.figures(options);
-  figures.roc_auc = own.roc_auc;
-  figures.spearman = own.spearman;
   return figures;
 }
 

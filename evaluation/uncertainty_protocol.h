@@ -90,17 +90,15 @@ struct UncertaintyFigures {
   /// A class, or "all".
   std::string label;
   std::size_t objects = 0;
-  /// Objects that were found, and how many of their boxes are wrong.
-  std::size_t found = 0, wrong = 0;
+  /// Objects that were found, and the detections' own boxes of them.
+  RankedBoxes found;
   /// Over the found objects; 0 where there are none. F1 = 2 IoU IoG / (IoU + IoG), of the means and
   /// averaged over the objects.
-  double mean_iou = 0.0, mean_iog = 0.0, f1_of_means = 0.0, mean_f1 = 0.0;
+  double mean_iog = 0.0, f1_of_means = 0.0, mean_f1 = 0.0;
   /// By level, rising.
   std::vector<BoxLevel> quantile_boxes, sample_boxes, confidence_boxes;
   /// By IoU, as in the options; empty without samples.
   std::vector<PromisedOverlap> overlaps;
-  /// Of the detections' own boxes, as in RankedBoxes.
-  std::optional<double> roc_auc, spearman;
 };
 
 struct UncertaintyReport {

@@ -46,14 +46,14 @@ Json overlaps_json(const std::vector<PromisedOverlap>& overlaps) {
 
 Json figures_json(const UncertaintyFigures& figures) {
   return {{"objects", figures.objects},
-          {"found", figures.found},
-          {"wrong", figures.wrong},
-          {"mean_iou", figures.mean_iou},
+          {"found", figures.found.boxes},
+          {"wrong", figures.found.wrong},
+          {"mean_iou", figures.found.mean_iou},
           {"mean_iog", figures.mean_iog},
           {"f1_of_means", figures.f1_of_means},
           {"mean_f1", figures.mean_f1},
-          {"roc_auc", number_or_null(figures.roc_auc)},
-          {"spearman", number_or_null(figures.spearman)},
+          {"roc_auc", number_or_null(figures.found.roc_auc)},
+          {"spearman", number_or_null(figures.found.spearman)},
           {"quantile_boxes", levels_json(figures.quantile_boxes, "q")},
           {"sample_boxes", levels_json(figures.sample_boxes, "p")},
           {"confidence_boxes", levels_json(figures.confidence_boxes, "p")},
@@ -66,9 +66,9 @@ std::string number_or_dash(const std::optional<double>& value) {
 
 std::string figures_row(const UncertaintyFigures& figures) {
   return line("%-12s %7zu %6zu %6zu %7.3f %7.3f %7.3f %7.3f", figures.label.c_str(),
-              figures.objects, figures.found, figures.wrong, figures.mean_iou, figures.mean_iog,
-              figures.f1_of_means, figures.mean_f1) +
-         number_or_dash(figures.roc_auc) + number_or_dash(figures.spearman) + "\n";
+              figures.objects, figures.found.boxes, figures.found.wrong, figures.found.mean_iou,
+              figures.mean_iog, figures.f1_of_means, figures.mean_f1) +
+         number_or_dash(figures.found.roc_auc) + number_or_dash(figures.found.spearman) + "\n";
 }
 
 std::string levels_table(const UncertaintyReport& report, const char* title,

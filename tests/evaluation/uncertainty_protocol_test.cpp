@@ -47,9 +47,9 @@ TEST(Uncertainty, FiguresOfAHandMadeScan) {
   ASSERT_EQ(report.classes.size(), 1u);
   for (const UncertaintyFigures& figures : {report.classes[0], report.all}) {
     EXPECT_EQ(figures.objects, 3u);
-    EXPECT_EQ(figures.found, 2u);
-    EXPECT_EQ(figures.wrong, 1u);
-    EXPECT_NEAR(figures.mean_iou, (1.0 + 1.0 / 3) / 2, kTiny);
+    EXPECT_EQ(figures.found.boxes, 2u);
+    EXPECT_EQ(figures.found.wrong, 1u);
+    EXPECT_NEAR(figures.found.mean_iou, (1.0 + 1.0 / 3) / 2, kTiny);
     EXPECT_NEAR(figures.mean_iog, (1.0 + 0.5) / 2, kTiny);
     EXPECT_NEAR(figures.mean_f1, (1.0 + 0.4) / 2, kTiny);
     EXPECT_NEAR(figures.f1_of_means, 2 * (2.0 / 3) * 0.75 / (2.0 / 3 + 0.75), kTiny);
@@ -61,9 +61,9 @@ TEST(Uncertainty, FiguresOfAHandMadeScan) {
     ASSERT_EQ(figures.confidence_boxes.size(), 1u);
     EXPECT_EQ(figures.confidence_boxes[0].boxes, 1u);
     EXPECT_EQ(figures.confidence_boxes[0].promised, 0.9);
-    EXPECT_EQ(figures.roc_auc, 1.0);
-    ASSERT_TRUE(figures.spearman);
-    EXPECT_NEAR(*figures.spearman, -1.0, kTiny);
+    EXPECT_EQ(figures.found.roc_auc, 1.0);
+    ASSERT_TRUE(figures.found.spearman);
+    EXPECT_NEAR(*figures.found.spearman, -1.0, kTiny);
   }
   ASSERT_EQ(report.found.size(), 2u);
   EXPECT_EQ(report.found[1].uncertainty, 0.8);
@@ -124,12 +124,12 @@ TEST(Uncertainty, RankingsAreThoseOfAllFoundObjects) {
     scans.push_back(std::move(scan));
   }
   const auto report = evaluate_uncertainty(scans, {.wrong_iou = 0.6});
-  EXPECT_EQ(report.all.found, 200u);
-  ASSERT_TRUE(report.all.roc_auc && report.all.spearman);
-  EXPECT_NEAR(*report.all.roc_auc, *roc_auc(uncertainty, wrong), kTiny);
-  EXPECT_NEAR(*report.all.spearman, *spearman_correlation(uncertainty, iou), kTiny);
-  EXPECT_GT(*report.all.roc_auc, 0.8);
-  EXPECT_LT(*report.all.spearman, -0.7);
+  EXPECT_EQ(report.all.found.boxes, 200u);
+  ASSERT_TRUE(report.all.found.roc_auc && report.all.found.spearman);
+  EXPECT_NEAR(*report.all.found.roc_auc, *roc_auc(uncertainty, wrong), kTiny);
+  EXPECT_NEAR(*report.all.found.spearman, *spearman_correlation(uncertainty, iou), kTiny);
+  EXPECT_GT(*report.all.found.roc_auc, 0.8);
+  EXPECT_LT(*report.all.found.spearman, -0.7);
 }
 
 // The paper's table of uncertainty measures takes quantile boxes for the prediction.
@@ -153,7 +153,7 @@ TEST(Uncertainty, RankingsOfQuantileBoxesAreOfTheseBoxes) {
     scans.push_back(std::move(scan));
   }
   const auto report = evaluate_uncertainty(scans, {.wrong_iou = 0.5});
-  EXPECT_FALSE(report.all.roc_auc) << "no own box is wrong";
+  EXPECT_FALSE(report.all.found.roc_auc) << "no own box is wrong";
   ASSERT_EQ(report.all.quantile_boxes.size(), 2u);
   for (const BoxLevel& level : report.all.quantile_boxes) {
     const auto& of_level = iou.at(level.level);
@@ -183,20 +183,20 @@ TEST(Uncertainty, ClassesScoresAndDistanceDecideWhatCounts) {
   scan.objects.back().label = "Tram";
   EXPECT_EQ(evaluate_uncertainty(std::vector{scan}).classes.size(), 2u);
   EXPECT_EQ(evaluate_uncertainty(std::vector{scan}, {.classes = {"Car"}}).all.objects, 1u);
-  EXPECT_EQ(evaluate_uncertainty(std::vector{scan}).all.found, 1u);
-  EXPECT_EQ(evaluate_uncertainty(std::vector{scan}, {.min_score = 0.95}).all.found, 0u);
-  EXPECT_EQ(evaluate_uncertainty(std::vector{scan}, {.max_distance = 1.9}).all.found, 0u);
+  EXPECT_EQ(evaluate_uncertainty(std::vector{scan}).all.found.boxes, 1u);
+  EXPECT_EQ(evaluate_uncertainty(std::vector{scan}, {.min_score = 0.95}).all.found.boxes, 0u);
+  EXPECT_EQ(evaluate_uncertainty(std::vector{scan}, {.max_distance = 1.9}).all.found.boxes, 0u);
 }
 
 TEST(Uncertainty, WhatIsNotDefinedIsEmpty) {
   const auto none = evaluate_uncertainty({});
-  EXPECT_EQ(none.all.found, 0u);
-  EXPECT_EQ(none.all.mean_iou, 0.0);
-  EXPECT_FALSE(none.all.roc_auc);
+  EXPECT_EQ(none.all.found.boxes, 0u);
+  EXPECT_EQ(none.all.found.mean_iou, 0.0);
+  EXPECT_FALSE(none.all.found.roc_auc);
   const auto scan = half_a_length_off();
   const auto report = evaluate_uncertainty(std::vector{scan});
-  EXPECT_FALSE(report.all.roc_auc);
-  EXPECT_FALSE(report.all.spearman);
+  EXPECT_FALSE(report.all.found.roc_auc);
+  EXPECT_FALSE(report.all.found.spearman);
   EXPECT_TRUE(report.all.quantile_boxes.empty());
   const auto json = nlohmann::json::parse(to_json(report));
   EXPECT_TRUE(json.at("all").at("roc_auc").is_null());

@@ -91,15 +91,24 @@ std::string uncertainty_table(const OutdoorBenchmark& benchmark) {
   return result;
 }
 
-/// What the uncertainty tells of each detector's own boxes and of its quantile boxes.
+std::string expected_cells(const evaluation::RankedBoxes& ranked) {
+  if (!ranked.expected) return " - | - | - | - |";
+  return text(" %.1f |", ranked.expected->wrong) + figure_cell(ranked.expected->roc_auc) +
+         figure_cell(ranked.chance_roc_auc) + figure_cell(ranked.expected->chance_roc_auc);
+}
+
+/// What the uncertainty tells of each detector's own boxes and of its quantile boxes, and what the
+/// samples expect of that.
 std::string ranking_table(const OutdoorBenchmark& benchmark) {
   std::string result =
-      header({"uncertainty of", "boxes", "objects", "wrong", "mean IoU", "ROC AUC", "Spearman"});
+      header({"uncertainty of", "boxes", "objects", "wrong", "mean IoU", "ROC AUC", "Spearman",
+              "wrong, expected", "ROC AUC, expected", "of the samples' chance", "expected"});
   const auto add = [&](const std::string& name, const std::string& boxes,
                        const evaluation::RankedBoxes& ranked) {
     result += "| " + name + " | " + boxes +
               text(" | %zu | %zu | %.3f |", ranked.boxes, ranked.wrong, ranked.mean_iou) +
-              figure_cell(ranked.roc_auc) + figure_cell(ranked.spearman) + "\n";
+              figure_cell(ranked.roc_auc) + figure_cell(ranked.spearman) + expected_cells(ranked) +
+              "\n";
   };
   for (const NamedUncertainty& one : benchmark.uncertainty) {
     const auto& all = one.report.all;

@@ -3,19 +3,21 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "arbox/base/error.h"
-#include "arbox/evaluation/box_estimation.h"
 #include "arbox/evaluation/center_matching.h"
+#include "arbox/evaluation/internal/judged_detection.h"
 #include "arbox/evaluation/ranking.h"
-#include "arbox/geometry/confidence_box.h"
-#include "arbox/geometry/overlap.h"
+#include "arbox/geometry/quantile_box.h"
 
 namespace arbox::evaluation {
 namespace {
 
 using geometry::Detection;
+using internal::JudgedBox;
+using internal::JudgedDetection;
 
 void require_options(const UncertaintyOptions& options) {
   const auto require_share = [](double value, const char* name) {
@@ -33,27 +35,41 @@ void require_options(const UncertaintyOptions& options) {
 struct Ranking {
   std::size_t boxes = 0, wrong = 0;
   double iou = 0.0;
-  std::vector<double> uncertainty, uncertain_iou;
+  /// One a box whose detection has an uncertainty; `wrong_chance` of those that also have samples.
+  std::vector<double> uncertainty, uncertain_iou, wrong_chance;
   std::vector<bool> uncertain_wrong;
 
-  void add(double overlap, const std::optional<double>& of_detection,
+  void add(const JudgedBox& box, const std::optional<double>& of_detection,
            const UncertaintyOptions& options) {
-    const bool is_wrong = overlap < options.wrong_iou;
+    const bool is_wrong = box.iou < options.wrong_iou;
     ++boxes;
-    iou += overlap;
+    iou += box.iou;
     wrong += is_wrong ? 1 : 0;
     if (!of_detection) return;
     uncertainty.push_back(*of_detection);
-    uncertain_iou.push_back(overlap);
+    uncertain_iou.push_back(box.iou);
     uncertain_wrong.push_back(is_wrong);
+    if (box.wrong_chance) wrong_chance.push_back(*box.wrong_chance);
+  }
+
+  void add_expected(RankedBoxes& figures) const {
+    if (wrong_chance.empty() || wrong_chance.size() != uncertainty.size()) return;
+    figures.chance_roc_auc = roc_auc(wrong_chance, uncertain_wrong);
+    figures.expected = {.wrong = std::accumulate(wrong_chance.begin(), wrong_chance.end(), 0.0),
+                        .roc_auc = expected_roc_auc(uncertainty, wrong_chance),
+                        .chance_roc_auc = expected_roc_auc(wrong_chance, wrong_chance)};
   }
 
   RankedBoxes figures() const {
-    return {.boxes = boxes,
-            .wrong = wrong,
-            .mean_iou = iou / static_cast<double>(std::max<std::size_t>(boxes, 1)),
-            .roc_auc = roc_auc(uncertainty, uncertain_wrong),
-            .spearman = spearman_correlation(uncertainty, uncertain_iou)};
+    RankedBoxes result{.boxes = boxes,
+                       .wrong = wrong,
+                       .mean_iou = iou / static_cast<double>(std::max<std::size_t>(boxes, 1)),
+                       .roc_auc = roc_auc(uncertainty, uncertain_wrong),
+                       .spearman = spearman_correlation(uncertainty, uncertain_iou),
+                       .chance_roc_auc = {},
+                       .expected = {}};
+    add_expected(result);
+    return result;
   }
 };
 
@@ -61,13 +77,6 @@ struct Ranking {
 struct Level {
   Ranking ranking;
   std::size_t contained = 0;
-
-  void add(const geometry::Box& box, const geometry::Box& object,
-           const std::optional<double>& uncertainty, const UncertaintyOptions& options) {
-    ranking.add(geometry::overlap(box, object), uncertainty, options);
-    const double covered = geometry::overlap(box, object, {.measure = geometry::Overlap::kIog});
-    contained += covered > options.min_iog ? 1 : 0;
-  }
 };
 
 /// What samples say of the overlap of their detections' boxes.
@@ -75,16 +84,15 @@ struct OverlapSums {
   std::size_t boxes = 0;
   std::vector<double> promised, kept;
 
-  void add(const Detection& detection, double overlap, const UncertaintyOptions& options) {
-    if (detection.samples.empty()) return;
-    const std::vector<double>& ious = options.promised_ious;
-    promised.resize(ious.size());
-    kept.resize(ious.size());
+  void add(const JudgedDetection& detection, const UncertaintyOptions& options) {
+    const std::vector<double>& shares = detection.overlap_shares;
+    if (shares.empty()) return;
+    promised.resize(shares.size());
+    kept.resize(shares.size());
     ++boxes;
-    for (std::size_t i = 0; i < ious.size(); ++i) {
-      promised[i] +=
-          geometry::overlapping_share({.boxes = detection.samples}, detection.box, ious[i]);
-      kept[i] += overlap >= ious[i] ? 1.0 : 0.0;
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      promised[i] += shares[i];
+      kept[i] += detection.own.iou >= options.promised_ious[i] ? 1.0 : 0.0;
     }
   }
 
@@ -101,12 +109,6 @@ struct OverlapSums {
   }
 };
 
-void require_finite(const std::optional<double>& uncertainty) {
-  if (!uncertainty || std::isfinite(*uncertainty)) return;
-  throw InvalidArgument("evaluate_uncertainty: expected a finite uncertainty, got " +
-                        std::to_string(*uncertainty));
-}
-
 /// What the figures of a class are made of.
 struct Sums {
   std::size_t objects = 0;
@@ -115,29 +117,23 @@ struct Sums {
   std::map<double, Level> quantile, sampled, confidence;
   OverlapSums overlaps;
 
-  void add(const Detection& detection, const Detection& object, const BoxError& error,
-           std::span<const geometry::ConfidenceBox> sample_boxes,
-           const UncertaintyOptions& options) {
-    const auto& uncertainty = detection.uncertainty;
-    require_finite(uncertainty);
-    own.add(error.iou, uncertainty, options);
-    overlaps.add(detection, error.iou, options);
-    iog += error.iog;
-    f1 += error.f1;
-    const auto add_to = [&](Level& level, const geometry::Box& box) {
-      level.add(box, object.box, uncertainty, options);
+  void add(const JudgedDetection& detection, const UncertaintyOptions& options) {
+    own.add(detection.own, detection.uncertainty, options);
+    overlaps.add(detection, options);
+    iog += detection.own.iog;
+    f1 += detection.own.f1;
+    const auto add_to = [&](std::map<double, Level>& levels, const std::vector<JudgedBox>& boxes) {
+      for (const JudgedBox& box : boxes) {
+        Level& level = levels[box.level];
+        level.ranking.add(box, detection.uncertainty, options);
+        level.contained += box.iog > options.min_iog ? 1 : 0;
+      }
     };
-    for (const auto& box : detection.quantile_boxes) add_to(quantile[box.q], box.box);
-    for (const auto& box : detection.confidence_boxes) add_to(confidence[box.p], box.box);
-    for (const auto& box : sample_boxes) add_to(sampled[box.p], box.box);
+    add_to(quantile, detection.quantile_boxes);
+    add_to(sampled, detection.sample_boxes);
+    add_to(confidence, detection.confidence_boxes);
   }
 };
-
-std::vector<geometry::ConfidenceBox> sample_boxes(const Detection& detection,
-                                                  const UncertaintyOptions& options) {
-  if (detection.samples.empty() || options.sample_confidences.empty()) return {};
-  return geometry::confidence_boxes({.boxes = detection.samples}, options.sample_confidences);
-}
 
 std::vector<BoxLevel> box_levels(const std::map<double, Level>& levels, bool quantiles) {
   std::vector<BoxLevel> result;
@@ -205,15 +201,13 @@ UncertaintyReport evaluate_uncertainty(std::span<const UncertaintyScan> scans,
       const Detection& object = scan.objects[match.object];
       const auto of_class = sums.find(object.label);
       if (of_class == sums.end()) continue;
-      const BoxError error =
-          box_error(detection.box, object.box, geometry::BoxSymmetry::kHalfTurns);
-      const auto sampled = sample_boxes(detection, options);
-      of_class->second.add(detection, object, error, sampled, options);
-      all.add(detection, object, error, sampled, options);
+      const JudgedDetection judged = internal::judge(detection, object, options);
+      of_class->second.add(judged, options);
+      all.add(judged, options);
       report.found.push_back({.label = object.label,
-                              .iou = error.iou,
-                              .iog = error.iog,
-                              .uncertainty = detection.uncertainty});
+                              .iou = judged.own.iou,
+                              .iog = judged.own.iog,
+                              .uncertainty = judged.uncertainty});
     }
   }
   for (const std::string& label : classes) {

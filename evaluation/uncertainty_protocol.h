@@ -43,6 +43,17 @@ struct UncertaintyOptions {
   double wrong_iou = 0.25;
 };
 
+/// What the samples say of a ranking: each box is wrong with the share of its detection's samples
+/// that overlap it by less than wrong_iou. Where that chance is true, no ranking can tell wrong
+/// boxes better than the chance itself. A finite number of samples makes chances look more decisive
+/// than they are: with 64, expected ROC AUC of the chance are up to 0.02 too high.
+struct ExpectedRanking {
+  /// How many boxes are wrong.
+  double wrong = 0.0;
+  /// ROC AUC (expected_roc_auc()) of the uncertainty, and of the chance itself.
+  std::optional<double> roc_auc, chance_roc_auc;
+};
+
 /// Boxes and what the uncertainty of their detections tells of them.
 struct RankedBoxes {
   /// Objects that have such a box, and how many of these boxes are wrong.
@@ -53,6 +64,10 @@ struct RankedBoxes {
   /// boxes, and rank correlation with the IoU (the nearer to -1 the better). Empty where they are
   /// not defined, such as without a wrong box.
   std::optional<double> roc_auc, spearman;
+  /// Over the same boxes, if all their detections have samples: ROC AUC of the samples' chance that
+  /// a box is wrong, and what the samples expect of both rankings.
+  std::optional<double> chance_roc_auc;
+  std::optional<ExpectedRanking> expected;
 };
 
 /// Promise and fact of all boxes of one kind, for example all quantile boxes of q = 0.2. The paper

@@ -20,6 +20,16 @@ std::string line(const char* format, Values... values) {
 
 Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
+/// What goes on in `json`: what samples say of the ranking.
+void add_expected(Json& json, const RankedBoxes& boxes) {
+  json["chance_roc_auc"] = number_or_null(boxes.chance_roc_auc);
+  json["expected"] = boxes.expected
+                         ? Json{{"wrong", boxes.expected->wrong},
+                                {"roc_auc", number_or_null(boxes.expected->roc_auc)},
+                                {"chance_roc_auc", number_or_null(boxes.expected->chance_roc_auc)}}
+                         : Json();
+}
+
 Json levels_json(const std::vector<BoxLevel>& levels, const char* name) {
   Json result = Json::array();
   for (const BoxLevel& one : levels) {
@@ -31,6 +41,7 @@ Json levels_json(const std::vector<BoxLevel>& levels, const char* name) {
                       {"mean_iou", one.mean_iou},
                       {"roc_auc", number_or_null(one.roc_auc)},
                       {"spearman", number_or_null(one.spearman)}});
+    add_expected(result.back(), one);
   }
   return result;
 }
@@ -45,19 +56,21 @@ Json overlaps_json(const std::vector<PromisedOverlap>& overlaps) {
 }
 
 Json figures_json(const UncertaintyFigures& figures) {
-  return {{"objects", figures.objects},
-          {"found", figures.found.boxes},
-          {"wrong", figures.found.wrong},
-          {"mean_iou", figures.found.mean_iou},
-          {"mean_iog", figures.mean_iog},
-          {"f1_of_means", figures.f1_of_means},
-          {"mean_f1", figures.mean_f1},
-          {"roc_auc", number_or_null(figures.found.roc_auc)},
-          {"spearman", number_or_null(figures.found.spearman)},
-          {"quantile_boxes", levels_json(figures.quantile_boxes, "q")},
-          {"sample_boxes", levels_json(figures.sample_boxes, "p")},
-          {"confidence_boxes", levels_json(figures.confidence_boxes, "p")},
-          {"overlaps", overlaps_json(figures.overlaps)}};
+  Json json = {{"objects", figures.objects},
+               {"found", figures.found.boxes},
+               {"wrong", figures.found.wrong},
+               {"mean_iou", figures.found.mean_iou},
+               {"mean_iog", figures.mean_iog},
+               {"f1_of_means", figures.f1_of_means},
+               {"mean_f1", figures.mean_f1},
+               {"roc_auc", number_or_null(figures.found.roc_auc)},
+               {"spearman", number_or_null(figures.found.spearman)},
+               {"quantile_boxes", levels_json(figures.quantile_boxes, "q")},
+               {"sample_boxes", levels_json(figures.sample_boxes, "p")},
+               {"confidence_boxes", levels_json(figures.confidence_boxes, "p")},
+               {"overlaps", overlaps_json(figures.overlaps)}};
+  add_expected(json, figures.found);
+  return json;
 }
 
 std::string number_or_dash(const std::optional<double>& value) {
@@ -101,17 +114,33 @@ std::string overlaps_table(const UncertaintyReport& report) {
   return text;
 }
 
-/// What the uncertainty tells of the quantile boxes, as in the paper's table of its measures.
+std::string ranking_row(const std::string& boxes, const RankedBoxes& row) {
+  std::string text =
+      line("%-12s %6zu %6zu %7.3f", boxes.c_str(), row.boxes, row.wrong, row.mean_iou) +
+      number_or_dash(row.roc_auc) + number_or_dash(row.spearman);
+  if (row.expected) {
+    text += line(" %9.1f", row.expected->wrong) + number_or_dash(row.expected->roc_auc) +
+            number_or_dash(row.chance_roc_auc) + number_or_dash(row.expected->chance_roc_auc);
+  }
+  return text + "\n";
+}
+
+/// What the uncertainty tells of the quantile boxes, as in the paper's table of its measures, and
+/// what the samples expect of it.
 std::string rankings_table(const UncertaintyReport& report) {
   const auto& rows = report.all.quantile_boxes;
   const bool ranked =
       std::any_of(rows.begin(), rows.end(), [](const BoxLevel& row) { return row.spearman; });
   if (!ranked) return {};
   std::string text =
-      line("\n%-12s %6s %6s %7s%8s%8s\n", "quantile q", "boxes", "wrong", "IoU", "ROC AUC", "r_s");
-  for (const BoxLevel& row : rows) {
-    text += line("%-12g %6zu %6zu %7.3f", row.level, row.boxes, row.wrong, row.mean_iou) +
-            number_or_dash(row.roc_auc) + number_or_dash(row.spearman) + "\n";
+      line("\n%-12s %6s %6s %7s%8s%8s", "quantile q", "boxes", "wrong", "IoU", "ROC AUC", "r_s");
+  if (rows.front().expected) {
+    text += line(" %9s%8s%8s%8s", "wrong*", "AUC*", "chance", "chance*");
+  }
+  text += "\n" + ranking_row("own", report.all.found);
+  for (const BoxLevel& row : rows) text += ranking_row(line("%g", row.level), row);
+  if (rows.front().expected) {
+    text += "chance: ROC AUC of the samples' chance of a wrong box; *: as the samples expect\n";
   }
   return text;
 }

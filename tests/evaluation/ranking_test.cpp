@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -64,6 +65,59 @@ TEST(RocAuc, IsUndefinedWithoutBothKinds) {
   EXPECT_FALSE(roc_auc(std::vector{0.5, 0.6}, {false, false}));
 }
 
+TEST(ExpectedRocAuc, EqualsTheExpectedShareOfPairsInOrder) {
+  int defined = 0;
+  for (std::uint64_t object = 0; object < 500; ++object) {
+    const Case c = random_case(object);
+    const RandomStream stream(8, object, 0);
+    std::vector<double> chances;
+    for (std::uint32_t i = 0; i < c.scores.size(); ++i) {
+      chances.push_back(std::clamp(1.4 * stream.uniform(i) - 0.2, 0.0, 1.0));
+    }
+    double in_order = 0.0, pairs = 0.0;
+    for (std::size_t i = 0; i < c.scores.size(); ++i) {
+      for (std::size_t j = 0; j < c.scores.size(); ++j) {
+        if (i == j) continue;
+        const double pair = chances[i] * (1.0 - chances[j]);
+        pairs += pair;
+        in_order +=
+            pair * (c.scores[i] > c.scores[j] ? 1.0 : (c.scores[i] == c.scores[j] ? 0.5 : 0.0));
+      }
+    }
+    const auto auc = expected_roc_auc(c.scores, chances);
+    ASSERT_EQ(auc.has_value(), pairs > 1e-9);
+    if (!auc) continue;
+    ++defined;
+    EXPECT_NEAR(*auc, in_order / pairs, 1e-9);
+  }
+  EXPECT_GT(defined, 400);
+}
+
+TEST(ExpectedRocAuc, OfSureThingsIsTheRocAuc) {
+  for (std::uint64_t object = 0; object < 200; ++object) {
+    const Case c = random_case(object);
+    const std::vector<double> chances(c.positive.begin(), c.positive.end());
+    const auto auc = roc_auc(c.scores, c.positive);
+    const auto expected = expected_roc_auc(c.scores, chances);
+    ASSERT_EQ(auc.has_value(), expected.has_value());
+    if (auc) {
+      EXPECT_NEAR(*auc, *expected, 1e-12);
+    }
+  }
+}
+
+TEST(ExpectedRocAuc, NoRankingBeatsTheChanceItself) {
+  for (std::uint64_t object = 0; object < 200; ++object) {
+    const RandomStream stream(9, object, 0);
+    std::vector<double> chances, scores;
+    for (std::uint32_t i = 0; i < 50; ++i) {
+      chances.push_back(stream.uniform(2 * i));
+      scores.push_back(chances.back() + stream.uniform(2 * i + 1));
+    }
+    EXPECT_GT(*expected_roc_auc(chances, chances), *expected_roc_auc(scores, chances));
+  }
+}
+
 TEST(MeanRanks, CountSmallerAndHalfOfEqual) {
   for (std::uint64_t object = 0; object < 200; ++object) {
     const Case c = random_case(object);
@@ -115,10 +169,20 @@ TEST(Spearman, IsUndefinedForConstantsAndSinglePairs) {
   EXPECT_FALSE(spearman_correlation(std::vector{1.0, 1.0, 1.0}, std::vector{1.0, 2.0, 3.0}));
 }
 
+TEST(ExpectedRocAuc, RefusesWhatIsNoChance) {
+  EXPECT_THROW(expected_roc_auc(std::vector{1.0}, std::vector{1.5}), InvalidArgument);
+  EXPECT_THROW(expected_roc_auc(std::vector{1.0}, std::vector{-0.1}), InvalidArgument);
+  EXPECT_THROW(expected_roc_auc(std::vector{1.0, 2.0}, std::vector{0.5}), InvalidArgument);
+  EXPECT_FALSE(expected_roc_auc(std::vector<double>{}, std::vector<double>{}));
+  EXPECT_FALSE(expected_roc_auc(std::vector{1.0}, std::vector{0.5})) << "a single box has no pair";
+}
+
 TEST(Ranking, RefusesUnequalLengthsAndNan) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(roc_auc(std::vector{1.0, 2.0}, {true}), InvalidArgument);
   EXPECT_THROW(roc_auc(std::vector{1.0, nan}, {true, false}), InvalidArgument);
+  EXPECT_THROW(expected_roc_auc(std::vector{1.0, nan}, std::vector{0.5, 0.5}), InvalidArgument);
+  EXPECT_THROW(expected_roc_auc(std::vector{1.0, 2.0}, std::vector{0.5, nan}), InvalidArgument);
   EXPECT_THROW(spearman_correlation(std::vector{1.0, 2.0}, std::vector{1.0}), InvalidArgument);
   EXPECT_THROW(spearman_correlation(std::vector{1.0, nan}, std::vector{1.0, 2.0}), InvalidArgument);
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include "arbox/base/error.h"
 #include "arbox/base/random.h"
 #include "arbox/evaluation/ranking.h"
+#include "arbox/geometry/confidence_box.h"
 #include "arbox/geometry/overlap.h"
 
 namespace arbox::evaluation {
@@ -175,6 +177,58 @@ TEST(Uncertainty, RankingsOfQuantileBoxesAreOfTheseBoxes) {
   EXPECT_EQ(last.at("wrong"), report.all.quantile_boxes[1].wrong);
   EXPECT_NEAR(last.at("spearman").get<double>(), *report.all.quantile_boxes[1].spearman, kTiny);
   EXPECT_THAT(to_table(report), ::testing::ContainsRegex("quantile q +boxes +wrong"));
+}
+
+// Objects drawn from the very distributions that the samples are drawn from.
+TEST(Uncertainty, WhatTrueSamplesExpectComesTrue) {
+  const RandomStream random(11, 0, 0);
+  std::uint32_t draw = 0;
+  std::vector<UncertaintyScan> scans;
+  double variance = 0.0;
+  for (int i = 0; i < 4000; ++i) {
+    const double spread = 3.0 * random.uniform(draw++);
+    const auto drawn = [&] { return car_at(spread * (2 * random.uniform(draw++) - 1)); };
+    UncertaintyScan scan{.detections = {car_at(0)}, .objects = {drawn()}};
+    scan.detections[0].uncertainty = spread + random.uniform(draw++);
+    scan.detections[0].quantile_boxes = {{.q = 0.2, .box = car_at(0, 4 + spread).box}};
+    for (int j = 0; j < 64; ++j) scan.detections[0].samples.push_back(drawn().box);
+    const double chance = 1.0 - geometry::overlapping_share({.boxes = scan.detections[0].samples},
+                                                            car_at(0).box, 0.5);
+    variance += chance * (1.0 - chance);
+    scans.push_back(std::move(scan));
+  }
+  const auto report = evaluate_uncertainty(scans, {.max_distance = 4.0, .wrong_iou = 0.5});
+  ASSERT_EQ(report.all.quantile_boxes.size(), 1u);
+  for (const RankedBoxes& ranked : {report.all.found, RankedBoxes(report.all.quantile_boxes[0])}) {
+    ASSERT_TRUE(ranked.expected && ranked.expected->roc_auc && ranked.expected->chance_roc_auc);
+    EXPECT_GT(ranked.expected->wrong, 300);
+    EXPECT_NEAR(*ranked.expected->roc_auc, *ranked.roc_auc, 0.03);
+    EXPECT_NEAR(*ranked.expected->chance_roc_auc, *ranked.chance_roc_auc, 0.03);
+    EXPECT_GT(*ranked.expected->chance_roc_auc, *ranked.expected->roc_auc);
+    EXPECT_GT(*ranked.chance_roc_auc, *ranked.roc_auc);
+  }
+  EXPECT_NEAR(report.all.found.expected->wrong, static_cast<double>(report.all.found.wrong),
+              4 * std::sqrt(variance));
+  const auto json = nlohmann::json::parse(to_json(report)).at("all");
+  EXPECT_EQ(json.at("expected").at("wrong").get<double>(), report.all.found.expected->wrong);
+  EXPECT_EQ(json.at("quantile_boxes").at(0).at("expected").at("roc_auc").get<double>(),
+            *report.all.quantile_boxes[0].expected->roc_auc);
+  EXPECT_THAT(to_table(report), ::testing::HasSubstr("as the samples expect"));
+}
+
+TEST(Uncertainty, NothingIsExpectedUnlessEveryDetectionHasSamples) {
+  auto scan = half_a_length_off();
+  scan.detections[0].uncertainty = 0.5;
+  scan.detections[0].samples = {car_at(0).box, car_at(2).box};
+  const std::vector sampled{scan};
+  EXPECT_NEAR(evaluate_uncertainty(sampled, {.wrong_iou = 0.5}).all.found.expected->wrong, 0.5,
+              kTiny);
+  auto unsampled = scan;
+  unsampled.detections[0].samples.clear();
+  const auto report = evaluate_uncertainty(std::vector{scan, unsampled});
+  EXPECT_FALSE(report.all.found.expected);
+  EXPECT_FALSE(report.all.found.chance_roc_auc);
+  EXPECT_TRUE(nlohmann::json::parse(to_json(report)).at("all").at("expected").is_null());
 }
 
 TEST(Uncertainty, ClassesScoresAndDistanceDecideWhatCounts) {

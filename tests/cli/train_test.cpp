@@ -254,6 +254,7 @@ train: {steps: 3, batch_size: 1, seed: 5}
     EXPECT_EQ(last.at("q"), 0.8);
     EXPECT_EQ(last.at("boxes"), of_cluster_fit.at("found"));
     EXPECT_TRUE(last.contains("roc_auc") && last.contains("spearman"));
+    EXPECT_TRUE(last.at("expected").at("wrong").is_number()) << "its samples say";
     EXPECT_EQ(of_cluster_fit.at("overlaps").size(), 3u);
     EXPECT_TRUE(rows.contains("pointwise pointwise"));
     EXPECT_TRUE(rows.contains("four_point box"));

@@ -45,8 +45,8 @@ struct UncertaintyOptions {
 
 /// What the samples say of a ranking: each box is wrong with the share of its detection's samples
 /// that overlap it by less than wrong_iou. Where that chance is true, no ranking can tell wrong
-/// boxes better than the chance itself. A finite number of samples makes chances look more decisive
-/// than they are: with 64, expected ROC AUC of the chance are up to 0.02 too high.
+/// boxes better than the chance itself. Few samples make chances look more decisive than they are:
+/// of street scans, 64 expect a ROC AUC of the chance that is 0.01 higher than what 512 expect.
 struct ExpectedRanking {
   /// How many boxes are wrong.
   double wrong = 0.0;
@@ -148,8 +148,9 @@ ShareInterval share_interval(std::size_t hits, std::size_t trials);
 /// {"protocol": "uncertainty", "scans": 2, "min_iog": 0.95, "wrong_iou": 0.25, "max_distance": 2.0,
 ///  "min_score": 0.3, "classes": {"Car": {"objects": 9, "found": 8, "wrong": 1, "mean_iou": ...,
 ///  "mean_iog": ..., "f1_of_means": ..., "mean_f1": ..., "roc_auc": ..., "spearman": ...,
+///  "chance_roc_auc": ..., "expected": {"wrong": 0.9, "roc_auc": ..., "chance_roc_auc": ...},
 ///  "quantile_boxes": [{"q": 0.1, "promised": 0.9, "contained": 0.88, "boxes": 8, "wrong": 1,
-///  "mean_iou": ..., "roc_auc": ..., "spearman": ...}],
+///  "mean_iou": ..., "roc_auc": ..., "spearman": ..., "chance_roc_auc": ..., "expected": {...}}],
 ///  "sample_boxes": [{"p": 0.9, ...}], "confidence_boxes": [{"p": 0.9, ...}],
 ///  "overlaps": [{"iou": 0.5, "promised": 0.96, "kept": 0.95, "boxes": 8}]}},
 ///  "all": {...}}; figures that are not defined are null.

@@ -73,8 +73,8 @@ std::string figure_cell(const std::optional<double>& value) {
 
 std::string uncertainty_table(const OutdoorBenchmark& benchmark) {
   std::string result = header({"detector", "found", "mean IoU", "F1 of means", "ROC AUC",
-                               "Spearman", "contained, by q (promised)",
-                               "by p of the samples (promised)", "by p, calibrated (promised)"});
+                               "Spearman", "contained, by q (1 - q; held of the samples)",
+                               "by p of the samples (p; held)", "by p, calibrated (p; held)"});
   for (const NamedUncertainty& one : benchmark.uncertainty) {
     const auto& all = one.report.all;
     result += text("| %s | %zu of %zu | %.3f | %.3f |", one.name.c_str(), all.found.boxes,
@@ -82,7 +82,8 @@ std::string uncertainty_table(const OutdoorBenchmark& benchmark) {
     result += figure_cell(all.found.roc_auc) + figure_cell(all.found.spearman);
     for (const auto* levels : {&all.quantile_boxes, &all.sample_boxes, &all.confidence_boxes}) {
       for (const auto& level : *levels) {
-        result += text(" %g: %.3f (%.2f)", level.level, level.contained, level.promised);
+        result += text(" %g: %.3f (%.2f", level.level, level.contained, level.promised) +
+                  (level.held ? text("; %.3f)", *level.held) : ")");
       }
       result += " |";
     }

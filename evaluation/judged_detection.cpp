@@ -33,11 +33,15 @@ JudgedDetection judge(const Detection& detection, const Detection& object,
   JudgedDetection judged;
   const auto judge_box = [&](double level, const geometry::Box& box) {
     const BoxError error = box_error(box, object.box, geometry::BoxSymmetry::kHalfTurns);
-    JudgedBox result{
-        .level = level, .iou = error.iou, .iog = error.iog, .f1 = error.f1, .wrong_chance = {}};
-    if (!samples.boxes.empty()) {
-      result.wrong_chance = 1.0 - geometry::overlapping_share(samples, box, options.wrong_iou);
-    }
+    JudgedBox result{.level = level,
+                     .iou = error.iou,
+                     .iog = error.iog,
+                     .f1 = error.f1,
+                     .wrong_chance = {},
+                     .held_share = {}};
+    if (samples.boxes.empty()) return result;
+    result.wrong_chance = 1.0 - geometry::overlapping_share(samples, box, options.wrong_iou);
+    result.held_share = geometry::held_share(samples, box, options.min_iog);
     return result;
   };
   judged.uncertainty = detection.uncertainty;

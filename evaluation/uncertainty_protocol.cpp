@@ -76,7 +76,16 @@ struct Ranking {
 /// Boxes of one level, and how many of them contain their object.
 struct Level {
   Ranking ranking;
-  std::size_t contained = 0;
+  std::size_t contained = 0, sampled = 0;
+  double held = 0.0;
+
+  void add(const JudgedBox& box, const std::optional<double>& uncertainty,
+           const UncertaintyOptions& options) {
+    ranking.add(box, uncertainty, options);
+    contained += box.iog > options.min_iog ? 1 : 0;
+    sampled += box.held_share ? 1 : 0;
+    held += box.held_share.value_or(0.0);
+  }
 };
 
 /// What samples say of the overlap of their detections' boxes.
@@ -124,9 +133,7 @@ struct Sums {
     f1 += detection.own.f1;
     const auto add_to = [&](std::map<double, Level>& levels, const std::vector<JudgedBox>& boxes) {
       for (const JudgedBox& box : boxes) {
-        Level& level = levels[box.level];
-        level.ranking.add(box, detection.uncertainty, options);
-        level.contained += box.iog > options.min_iog ? 1 : 0;
+        levels[box.level].add(box, detection.uncertainty, options);
       }
     };
     add_to(quantile, detection.quantile_boxes);
@@ -143,6 +150,7 @@ std::vector<BoxLevel> box_levels(const std::map<double, Level>& levels, bool qua
     figures.level = level;
     figures.promised = quantiles ? 1.0 - level : level;
     figures.contained = static_cast<double>(sums.contained) / boxes;
+    if (sums.sampled == sums.ranking.boxes) figures.held = sums.held / boxes;
   }
   return result;
 }

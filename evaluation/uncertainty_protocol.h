@@ -80,6 +80,10 @@ struct BoxLevel : RankedBoxes {
   double promised = 0.0;
   /// Share of the boxes whose IoG is above min_iog.
   double contained = 0.0;
+  /// Mean share of a detection's samples that its box contains likewise: what the distribution
+  /// itself promises of such boxes, ordered or not. A quantile box of q holds 1 - q of an ordered
+  /// one only (theorem 1). Empty unless every such detection has samples.
+  std::optional<double> held = {};
 };
 
 /// How often the detections' own boxes overlap their objects, and how often the samples say so.
@@ -149,9 +153,9 @@ ShareInterval share_interval(std::size_t hits, std::size_t trials);
 ///  "min_score": 0.3, "classes": {"Car": {"objects": 9, "found": 8, "wrong": 1, "mean_iou": ...,
 ///  "mean_iog": ..., "f1_of_means": ..., "mean_f1": ..., "roc_auc": ..., "spearman": ...,
 ///  "chance_roc_auc": ..., "expected": {"wrong": 0.9, "roc_auc": ..., "chance_roc_auc": ...},
-///  "quantile_boxes": [{"q": 0.1, "promised": 0.9, "contained": 0.88, "boxes": 8, "wrong": 1,
-///  "mean_iou": ..., "roc_auc": ..., "spearman": ..., "chance_roc_auc": ..., "expected": {...}}],
-///  "sample_boxes": [{"p": 0.9, ...}], "confidence_boxes": [{"p": 0.9, ...}],
+///  "quantile_boxes": [{"q": 0.1, "promised": 0.9, "contained": 0.88, "held": 0.89, "boxes": 8,
+///  "wrong": 1, "mean_iou": ..., "roc_auc": ..., "spearman": ..., "chance_roc_auc": ...,
+///  "expected": {...}}], "sample_boxes": [{"p": 0.9, ...}], "confidence_boxes": [{"p": 0.9, ...}],
 ///  "overlaps": [{"iou": 0.5, "promised": 0.96, "kept": 0.95, "boxes": 8}]}},
 ///  "all": {...}}; figures that are not defined are null.
 std::string to_json(const UncertaintyReport& report);

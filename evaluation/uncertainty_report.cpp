@@ -36,6 +36,7 @@ Json levels_json(const std::vector<BoxLevel>& levels, const char* name) {
     result.push_back({{name, one.level},
                       {"promised", one.promised},
                       {"contained", one.contained},
+                      {"held", number_or_null(one.held)},
                       {"boxes", one.boxes},
                       {"wrong", one.wrong},
                       {"mean_iou", one.mean_iou},
@@ -87,13 +88,13 @@ std::string figures_row(const UncertaintyFigures& figures) {
 std::string levels_table(const UncertaintyReport& report, const char* title,
                          std::vector<BoxLevel> UncertaintyFigures::*levels) {
   if ((report.all.*levels).empty()) return {};
-  std::string text = line("\n%-12s promised", title);
+  std::string text = line("\n%-12s promised  samples", title);
   for (const UncertaintyFigures& figures : report.classes) {
     text += line(" %12s", figures.label.c_str());
   }
   text += line(" %12s\n", "all");
   for (const BoxLevel& row : report.all.*levels) {
-    text += line("%-12g %8.3f", row.level, row.promised);
+    text += line("%-12g %8.3f ", row.level, row.promised) + number_or_dash(row.held);
     for (const UncertaintyFigures& figures : report.classes) {
       const auto& list = figures.*levels;
       const auto found = std::find_if(list.begin(), list.end(),

@@ -15,6 +15,8 @@ struct JudgedBox {
   /// The share of the detection's samples whose IoU with the box is below wrong_iou: the chance
   /// that the box is wrong, as far as they know. Empty without samples.
   std::optional<double> wrong_chance;
+  /// The share of the samples that the box contains (by min_iog). Empty without samples.
+  std::optional<double> held_share;
 };
 
 struct JudgedDetection {

@@ -209,6 +209,11 @@ TEST(Uncertainty, WhatTrueSamplesExpectComesTrue) {
   }
   EXPECT_NEAR(report.all.found.expected->wrong, static_cast<double>(report.all.found.wrong),
               4 * std::sqrt(variance));
+  const BoxLevel& level = report.all.quantile_boxes[0];
+  ASSERT_TRUE(level.held);
+  EXPECT_NEAR(*level.held, level.contained, 0.03);
+  EXPECT_GT(level.contained, 0.1);
+  EXPECT_LT(level.contained, 0.9);
   const auto json = nlohmann::json::parse(to_json(report)).at("all");
   EXPECT_EQ(json.at("expected").at("wrong").get<double>(), report.all.found.expected->wrong);
   EXPECT_EQ(json.at("quantile_boxes").at(0).at("expected").at("roc_auc").get<double>(),
@@ -220,14 +225,17 @@ TEST(Uncertainty, NothingIsExpectedUnlessEveryDetectionHasSamples) {
   auto scan = half_a_length_off();
   scan.detections[0].uncertainty = 0.5;
   scan.detections[0].samples = {car_at(0).box, car_at(2).box};
-  const std::vector sampled{scan};
-  EXPECT_NEAR(evaluate_uncertainty(sampled, {.wrong_iou = 0.5}).all.found.expected->wrong, 0.5,
-              kTiny);
+  scan.detections[0].quantile_boxes = {{.q = 0.2, .box = car_at(2).box}};
+  const auto of_samples = evaluate_uncertainty(std::vector{scan}, {.wrong_iou = 0.5});
+  EXPECT_NEAR(of_samples.all.found.expected->wrong, 0.5, kTiny);
+  EXPECT_NEAR(of_samples.all.quantile_boxes.at(0).held.value(), 0.5, kTiny);
   auto unsampled = scan;
   unsampled.detections[0].samples.clear();
   const auto report = evaluate_uncertainty(std::vector{scan, unsampled});
   EXPECT_FALSE(report.all.found.expected);
   EXPECT_FALSE(report.all.found.chance_roc_auc);
+  ASSERT_EQ(report.all.quantile_boxes.size(), 1u);
+  EXPECT_FALSE(report.all.quantile_boxes[0].held);
   EXPECT_TRUE(nlohmann::json::parse(to_json(report)).at("all").at("expected").is_null());
 }
 

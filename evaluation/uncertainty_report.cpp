@@ -20,8 +20,11 @@ std::string line(const char* format, Values... values) {
 
 Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
-/// What goes on in `json`: what samples say of the ranking.
-void add_expected(Json& json, const RankedBoxes& boxes) {
+void add_ranking(Json& json, const RankedBoxes& boxes) {
+  json["wrong"] = boxes.wrong;
+  json["mean_iou"] = boxes.mean_iou;
+  json["roc_auc"] = number_or_null(boxes.roc_auc);
+  json["spearman"] = number_or_null(boxes.spearman);
   json["chance_roc_auc"] = number_or_null(boxes.chance_roc_auc);
   json["expected"] = boxes.expected
                          ? Json{{"wrong", boxes.expected->wrong},
@@ -37,12 +40,8 @@ Json levels_json(const std::vector<BoxLevel>& levels, const char* name) {
                       {"promised", one.promised},
                       {"contained", one.contained},
                       {"held", number_or_null(one.held)},
-                      {"boxes", one.boxes},
-                      {"wrong", one.wrong},
-                      {"mean_iou", one.mean_iou},
-                      {"roc_auc", number_or_null(one.roc_auc)},
-                      {"spearman", number_or_null(one.spearman)}});
-    add_expected(result.back(), one);
+                      {"boxes", one.boxes}});
+    add_ranking(result.back(), one);
   }
   return result;
 }
@@ -59,18 +58,14 @@ Json overlaps_json(const std::vector<PromisedOverlap>& overlaps) {
 Json figures_json(const UncertaintyFigures& figures) {
   Json json = {{"objects", figures.objects},
                {"found", figures.found.boxes},
-               {"wrong", figures.found.wrong},
-               {"mean_iou", figures.found.mean_iou},
                {"mean_iog", figures.mean_iog},
                {"f1_of_means", figures.f1_of_means},
                {"mean_f1", figures.mean_f1},
-               {"roc_auc", number_or_null(figures.found.roc_auc)},
-               {"spearman", number_or_null(figures.found.spearman)},
                {"quantile_boxes", levels_json(figures.quantile_boxes, "q")},
                {"sample_boxes", levels_json(figures.sample_boxes, "p")},
                {"confidence_boxes", levels_json(figures.confidence_boxes, "p")},
                {"overlaps", overlaps_json(figures.overlaps)}};
-  add_expected(json, figures.found);
+  add_ranking(json, figures.found);
   return json;
 }
 

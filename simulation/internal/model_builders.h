@@ -40,7 +40,4 @@ void build_plant(ModelKind kind, Dice& dice, MeshBuilder& body);
 void build_furniture(ModelKind kind, Dice& dice, MeshBuilder& body);
 void build_building(ModelKind kind, Dice& dice, MeshBuilder& body);
 
-/// A wheel whose axle is along y, with its outer face at `outer`.
-void add_wheel(MeshBuilder& body, float x, float outer, float inner, float radius);
-
 }  // namespace arbox::simulation

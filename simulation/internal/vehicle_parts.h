@@ -10,7 +10,8 @@
 
 namespace arbox::simulation {
 
-/// A cross section of a body, and what covers it as far as the next one.
+/// A cross section of a body at x: heights of its floor, shoulder and roof's edge, half its widths
+/// at the two latter; and what covers it as far as the next one.
 struct Station {
   float x, bottom, shoulder, top;
   float half_shoulder, half_top;
@@ -18,8 +19,8 @@ struct Station {
   Material roof = Material::kPaintLight;
 };
 
-/// The skin between each station and the next, the same on both sides, closed at both ends. Fewer
-/// than two stations make no skin.
+/// The skin between each of at least two stations and the next, the same on both sides, closed at
+/// both ends.
 void loft(MeshBuilder& body, std::span<const Station> stations);
 
 /// A seat, or a bench from a width of 0.8 m, with its back at `x` and its middle at `y`; `cushion`

@@ -8,19 +8,8 @@
 namespace arbox {
 namespace {
 
-SimdLevel best_level() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl")) {
-    return SimdLevel::kAvx512;
-  }
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return SimdLevel::kAvx2;
-#endif
-  return SimdLevel::kScalar;
-}
-
 SimdLevel chosen_level() {
-  const SimdLevel best = best_level();
+  const SimdLevel best = best_simd_level();
   const char* forced = std::getenv("ARBOX_SIMD");
   if (forced == nullptr || *forced == '\0') return best;
   for (const SimdLevel level : {SimdLevel::kScalar, SimdLevel::kAvx2, SimdLevel::kAvx512}) {
@@ -34,6 +23,17 @@ SimdLevel chosen_level() {
 }
 
 }  // namespace
+
+SimdLevel best_simd_level() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl")) {
+    return SimdLevel::kAvx512;
+  }
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return SimdLevel::kAvx2;
+#endif
+  return SimdLevel::kScalar;
+}
 
 SimdLevel simd_level() {
   static const SimdLevel level = chosen_level();

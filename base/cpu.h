@@ -7,6 +7,9 @@ namespace arbox {
 /// Instruction sets that have kernels of their own, weakest first.
 enum class SimdLevel { kScalar, kAvx2, kAvx512 };
 
+/// The best level that this CPU has, whatever ARBOX_SIMD says.
+SimdLevel best_simd_level();
+
 /// The level that kernels run at: the best that this CPU has, or what the environment variable
 /// ARBOX_SIMD (scalar | avx2 | avx512) forces.
 ///

@@ -10,6 +10,7 @@
 #include <iostream>
 #include <new>
 
+#include "arbox/base/blas.h"
 #include "arbox/base/names.h"
 #include "arbox/base/parallel.h"
 
@@ -61,6 +62,13 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
   return text + " (see '" + command_name(app) + " --help')";
 }
 
+void be_verbose() {
+  spdlog::set_level(spdlog::level::debug);
+  if (const std::string kernels = blas_kernels(); !kernels.empty()) {
+    spdlog::debug("OpenBLAS works with its kernels for {}", kernels);
+  }
+}
+
 void declare_common(CLI::App& app) {
   app.set_version_flag("--version", ARBOX_VERSION);
   app.require_subcommand(1);
@@ -70,9 +78,7 @@ void declare_common(CLI::App& app) {
          "Threads to use (default: OMP_NUM_THREADS, else every core)")
       ->type_name("N")
       ->check(CLI::Range(1, 1024).description(""));
-  app.add_flag_callback(
-      "--verbose", [] { spdlog::set_level(spdlog::level::debug); },
-      "Tell on standard error what is being done");
+  app.add_flag_callback("--verbose", be_verbose, "Tell on standard error what is being done");
 }
 
 }  // namespace
@@ -113,6 +119,7 @@ std::string fold_lines(std::string_view text) {
 int run_program(int argc, char** argv, const std::function<void(CLI::App&)>& add_commands) {
   // A reader that has seen enough (`arbox ... | head`) ends the program without a word.
   std::signal(SIGPIPE, SIG_DFL);
+  mend_blas_kernels();
   std::ios::sync_with_stdio(false);
   set_up_logging();
   CLI::App app("Arbox finds objects in point clouds and says how sure it is of each box.", "arbox");

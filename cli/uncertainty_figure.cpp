@@ -42,6 +42,19 @@ drawing::Series promise_line(const std::string& name, std::vector<BoxLevel> leve
   return series;
 }
 
+/// Levels that promise the share of the samples that their boxes hold; those that know it.
+std::vector<BoxLevel> promising_held(std::vector<BoxLevel> levels) {
+  std::erase_if(levels, [](const BoxLevel& level) { return !level.held; });
+  for (BoxLevel& level : levels) level.promised = *level.held;
+  return levels;
+}
+
+drawing::Panel held_panel() {
+  drawing::Panel panel = promise_panel("quantile boxes, by what they hold");
+  panel.x.label = "held of the samples";
+  return panel;
+}
+
 drawing::Panel overlap_panel() {
   drawing::Panel panel = promise_panel("overlap by an IoU of 0.25, 0.5, 0.7");
   panel.x.label = "promised by the samples";
@@ -114,22 +127,23 @@ drawing::Image draw_uncertainty(const UncertaintyReport& report) {
 
 drawing::Image draw_promises(std::span<const NamedUncertainty> detectors,
                              const std::string& title) {
-  std::vector<drawing::Panel> panels = {promise_panel("quantile boxes of q = 1 - p"),
+  std::vector<drawing::Panel> panels = {promise_panel("quantile boxes of q = 1 - p"), held_panel(),
                                         promise_panel("boxes that hold p of the samples"),
                                         overlap_panel()};
   for (const NamedUncertainty& detector : detectors) {
     if (detector.name == kGaussianDeviation) continue;
     const auto& all = detector.report.all;
     panels[0].series.push_back(promise_line(detector.name, all.quantile_boxes));
-    panels[1].series.push_back(promise_line(detector.name, all.sample_boxes));
-    panels[2].series.push_back(overlap_line(detector.name, all.overlaps));
+    panels[1].series.push_back(promise_line(detector.name, promising_held(all.quantile_boxes)));
+    panels[2].series.push_back(promise_line(detector.name, all.sample_boxes));
+    panels[3].series.push_back(overlap_line(detector.name, all.overlaps));
   }
   for (drawing::Panel& panel : panels) {
     std::erase_if(panel.series, [](const drawing::Series& one) { return one.x.empty(); });
   }
   // Most boxes overlap their objects.
-  if (!panels[2].series.empty()) zoom(panels[2]);
-  return drawing::draw_figure(panels, {.title = title});
+  if (!panels[3].series.empty()) zoom(panels[3]);
+  return drawing::draw_figure(panels, {.title = title, .columns = 2});
 }
 
 }  // namespace arbox::cli

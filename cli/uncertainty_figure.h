@@ -22,8 +22,9 @@ struct NamedUncertainty {
 /// (evaluation::use_gaussian_uncertainty): another doubt about the same boxes.
 inline constexpr char kGaussianDeviation[] = "gaussian, G";
 
-/// Fact against promise over all classes, a line for each detector: how often quantile boxes and
-/// boxes of the samples contain their objects, and how often boxes overlap theirs. Leaves out
+/// Fact against promise over all classes, a line for each detector: how often quantile boxes
+/// contain their objects, beside 1 - q and beside the share of the samples that they hold, how
+/// often boxes of the samples do, and how often boxes overlap theirs. Leaves out
 /// kGaussianDeviation, which has the promises of the Gaussian head.
 drawing::Image draw_promises(std::span<const NamedUncertainty> detectors, const std::string& title);
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "arbox/base/cpu.h"
 #include "support/program.h"
 
 namespace {
@@ -53,6 +54,23 @@ TEST(Program, TellsItsVersion) {
   EXPECT_TRUE(result.output.starts_with("0.")) << result.output;
   EXPECT_EQ(result.errors, "");
 }
+
+#if defined(__x86_64__)
+TEST(Program, SaysWithWhichKernelsOpenBlasWorks) {
+  const auto told = [](const std::string& choice) {
+    const auto result = run_arbox({"config", "list", "--verbose"},
+                                  {.environment = {{"OPENBLAS_CORETYPE", choice}}});
+    EXPECT_EQ(result.exit_code, 0);
+    return result.errors;
+  };
+  EXPECT_EQ(told("Nehalem"), "arbox: debug: OpenBLAS works with its kernels for Nehalem\n");
+  const std::string chosen = told("");
+  EXPECT_TRUE(chosen.starts_with("arbox: debug: OpenBLAS works with its kernels for ")) << chosen;
+  if (arbox::best_simd_level() != arbox::SimdLevel::kScalar) {
+    EXPECT_EQ(chosen.find("Prescott"), std::string::npos) << chosen;
+  }
+}
+#endif
 
 TEST(Program, WrongUsageIsOneLineAndExitsWithTwo) {
   expect_one_line_error(run_arbox({}), 2, {"arbox --help"});

@@ -20,7 +20,7 @@ using arbox::SimdLevel;
 
 constexpr const char* kVariable = "OPENBLAS_CORETYPE";
 constexpr int kSize = 37;
-using Matrix = std::array<float, kSize * kSize>;
+using Matrix = std::array<float, std::size_t{kSize} * kSize>;
 using Multiply = void(int order, int transposed_a, int transposed_b, int m, int n, int k,
                       float alpha, const float* a, int stride_a, const float* b, int stride_b,
                       float beta, float* c, int stride_c);

@@ -1,16 +1,14 @@
-#define BOOST_DLL_USE_STD_FS
 #include "arbox/base/plugin_loader.h"
 
 #include <algorithm>
 #include <boost/dll/runtime_symbol_info.hpp>
-#include <boost/dll/shared_library.hpp>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
-#include <mutex>
 #include <sstream>
 
 #include "arbox/base/error.h"
+#include "arbox/base/internal/open_forever.h"
 #include "arbox/base/names.h"
 #include "arbox/base/plugin_abi.h"
 
@@ -29,21 +27,10 @@ struct OpenPlugin {
   RegisterFunction* register_function;
 };
 
-// Objects and code of a plugin may be in use until the very end of the process: never closed.
-void keep_open(const boost::dll::shared_library& library) {
-  static std::mutex mutex;
-  static auto* const kept = new std::vector<boost::dll::shared_library>;
-  const std::scoped_lock lock(mutex);
-  kept->push_back(library);
-}
-
 boost::dll::shared_library open(const fs::path& file) {
   if (!fs::is_regular_file(file)) throw PluginError(file.string() + ": no such file");
   try {
-    boost::dll::shared_library library(
-        file, boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
-    keep_open(library);
-    return library;
+    return internal::open_forever(file);
   } catch (const std::exception& error) {
     throw PluginError(file.string() + ": cannot be loaded: " + error.what());
   }

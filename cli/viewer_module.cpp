@@ -1,29 +1,17 @@
-#define BOOST_DLL_USE_STD_FS
 #include "arbox/cli/viewer_module.h"
 
-#include <boost/dll/shared_library.hpp>
 #include <cstdlib>
-#include <filesystem>
 
-#include "arbox/base/plugin_loader.h"
+#include "arbox/base/lazy_library.h"
 #include "arbox/cli/command_line.h"
 
 namespace arbox::cli {
 namespace {
 
-constexpr const char* kViewerFile = "libarbox_program_viewer.so";
-
-ViewInteractively& open_viewer() {
-  // Beside the folder of the installation's plugins, which is the last to be searched.
-  const std::filesystem::path file = plugin_folders().back().parent_path() / kViewerFile;
-  if (!std::filesystem::is_regular_file(file)) {
-    throw NotAvailable("this installation of Arbox has no viewer: " + file.string() +
-                       " is missing, install the package arbox-viewer (or use --html, --output)");
-  }
-  static auto* const library = new boost::dll::shared_library(
-      file, boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
-  return library->get<ViewInteractively>("arbox_view_interactively");
-}
+constexpr LazyLibrary kViewerLibrary = {
+    .file = "libarbox_program_viewer.so",
+    .content = "viewer",
+    .mend = "install the package arbox-viewer (or use --html, --output)"};
 
 }  // namespace
 
@@ -34,7 +22,8 @@ void view_interactively(const drawing::Scene& scene, const drawing::SceneOptions
     throw UsageError(
         "--interactive needs a display, and DISPLAY is not set: use --html or --output");
   }
-  if (!open_viewer()(scene, options)) {
+  auto* const view = find_function<ViewInteractively>(kViewerLibrary, "arbox_view_interactively");
+  if (!view(scene, options)) {
     throw UsageError(std::string("--interactive: the display '") + display +
                      "' cannot be opened: use --html or --output");
   }

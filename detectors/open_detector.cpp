@@ -1,13 +1,12 @@
-#define BOOST_DLL_USE_STD_FS
 #include "arbox/detectors/open_detector.h"
 
-#include <boost/dll/shared_library.hpp>
 #include <filesystem>
 
 #include "arbox/base/error.h"
 #include "arbox/base/plugin_loader.h"
 #include "arbox/detectors/cluster_fit/cluster_fit.h"
 #include "arbox/detectors/detector_kind.h"
+#include "arbox/detectors/networks_library.h"
 #include "arbox/io/model_search.h"
 
 namespace arbox::detectors {
@@ -15,24 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kNetworks = "libarbox_program_torch.so";
 using LoadModel = void(const std::string& file, const std::vector<std::string>& overrides,
                        std::unique_ptr<Detector>& result);
-
-/// Beside the folder of the installation's plugins, which is the last to be searched.
-fs::path networks_file() { return plugin_folders().back().parent_path() / kNetworks; }
-
-LoadModel& model_loader() {
-  const fs::path file = networks_file();
-  if (!fs::is_regular_file(file)) {
-    throw NotAvailable("this installation of Arbox has no networks: " + file.string() +
-                       " is missing, install the component 'program_torch'");
-  }
-  // Detectors use its code until the process ends: never closed.
-  static auto* const library = new boost::dll::shared_library(
-      file, boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
-  return library->get<LoadModel>("arbox_load_detector");
-}
 
 bool is_model_file(const std::string& name) {
   return name.find('/') != std::string::npos || name.ends_with(".arbox");
@@ -71,7 +54,8 @@ std::unique_ptr<Detector> open_model_file(const fs::path& file,
                                           const std::vector<std::string>& overrides) {
   std::unique_ptr<Detector> detector;
   try {
-    model_loader()(file.string(), overrides, detector);
+    find_function<LoadModel>(kNetworksLibrary, "arbox_load_detector")(file.string(), overrides,
+                                                                      detector);
   } catch (const ConfigError& error) {
     throw OverrideError(file.string() + ": " + error.what());
   }
@@ -93,7 +77,7 @@ bool has_shipped_model() {
   } catch (const IoError&) {
     return false;
   }
-  return fs::is_regular_file(networks_file());
+  return is_installed(kNetworksLibrary);
 }
 
 std::unique_ptr<Detector> create_detector(const std::string& name, const fs::path& configuration,

@@ -32,15 +32,8 @@ std::string kernels_of(const Library& openblas) {
 }
 
 const char* kernels_for(SimdLevel level) {
-  switch (level) {
-    case SimdLevel::kAvx512:
-      return "SkylakeX";
-    case SimdLevel::kAvx2:
-      return "Haswell";
-    case SimdLevel::kScalar:
-      return nullptr;
-  }
-  return nullptr;
+  if (level == SimdLevel::kAvx512) return "SkylakeX";
+  return level == SimdLevel::kAvx2 ? "Haswell" : nullptr;
 }
 
 }  // namespace

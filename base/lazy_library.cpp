@@ -1,6 +1,7 @@
 #include "arbox/base/lazy_library.h"
 
 #include <exception>
+#include <filesystem>
 #include <string>
 
 #include "arbox/base/error.h"

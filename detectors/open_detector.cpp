@@ -52,10 +52,10 @@ std::unique_ptr<Detector> create_known(const std::string& name, const fs::path& 
 
 std::unique_ptr<Detector> open_model_file(const fs::path& file,
                                           const std::vector<std::string>& overrides) {
+  static auto* const load = find_function<LoadModel>(kNetworksLibrary, "arbox_load_detector");
   std::unique_ptr<Detector> detector;
   try {
-    find_function<LoadModel>(kNetworksLibrary, "arbox_load_detector")(file.string(), overrides,
-                                                                      detector);
+    load(file.string(), overrides, detector);
   } catch (const ConfigError& error) {
     throw OverrideError(file.string() + ": " + error.what());
   }

@@ -18,6 +18,24 @@ using arbox::blas_kernels;
 using arbox::mend_blas_kernels;
 using arbox::SimdLevel;
 
+class BlasKernelsDeathTest : public ::testing::Test {
+ protected:
+  void SetUp() override { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
+};
+
+[[noreturn]] void mend_without_openblas() {
+  const std::string before = blas_kernels();
+  std::fprintf(stderr, "'%s' %s\n", before.c_str(), mend_blas_kernels() ? "became" : "stayed");
+  std::exit(0);
+}
+
+TEST_F(BlasKernelsDeathTest, AreNoneWithoutOpenBlas) {
+  EXPECT_EXIT(mend_without_openblas(), ::testing::ExitedWithCode(0), "'' stayed");
+}
+
+// Elsewhere OpenBLAS has no kernels of these names.
+#if defined(__x86_64__)
+
 constexpr const char* kVariable = "OPENBLAS_CORETYPE";
 constexpr int kSize = 37;
 using Matrix = std::array<float, std::size_t{kSize} * kSize>;
@@ -71,22 +89,6 @@ double product_error(void* openblas) {
   std::exit(0);
 }
 
-[[noreturn]] void mend_without_openblas() {
-  const std::string before = blas_kernels();
-  std::fprintf(stderr, "'%s' %s\n", before.c_str(), mend_blas_kernels() ? "became" : "stayed");
-  std::exit(0);
-}
-
-class BlasKernelsDeathTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    GTEST_FLAG_SET(death_test_style, "threadsafe");
-#if !defined(__x86_64__)
-    GTEST_SKIP() << "OpenBLAS has kernels of these names for x86-64 only";
-#endif
-  }
-};
-
 TEST_F(BlasKernelsDeathTest, BecomeThoseOfTheCpuWhereThePentium4sWereChosen) {
   const std::string expected = best_simd_level() == SimdLevel::kAvx512 ? "became SkylakeX"
                                : best_simd_level() == SimdLevel::kAvx2 ? "became Haswell"
@@ -105,8 +107,6 @@ TEST_F(BlasKernelsDeathTest, StayWhereOpenBlasKnewTheCpu) {
               "Nehalem stayed Nehalem, products right, variable unset");
 }
 
-TEST_F(BlasKernelsDeathTest, AreNoneWithoutOpenBlas) {
-  EXPECT_EXIT(mend_without_openblas(), ::testing::ExitedWithCode(0), "'' stayed");
-}
+#endif
 
 }  // namespace

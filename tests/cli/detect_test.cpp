@@ -297,6 +297,9 @@ TEST(Detect, FailsInOneLineForBadInput) {
       classical({kStreet, "--format", "kitti", "--calib", file("calib.txt", "P2: 1 2 3\n")}), 1,
       {"calib.txt"});
   expect_one_line_error(classical({kStreet, "--output", kStreet + "/under"}), 1, {"street.bin"});
+  expect_one_line_error(run_arbox({"detect", kStreet, "--model", file("any.arbox", "")},
+                                  {.environment = {{"ARBOX_PLUGIN_PATH", "here"}}}),
+                        1, {"arbox: error: ARBOX_PLUGIN_PATH: expected absolute folders"});
 }
 
 TEST(Detect, TheShippedModelTakesTheLikelierOfKnownSizes) {
